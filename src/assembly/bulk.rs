@@ -2,7 +2,7 @@
 
 use super::cells::CellSpace;
 use super::pattern::Pattern;
-use super::tensor::{Ask, Glue, Patches};
+use super::sum_factorization::{Ask, Glue, Patches};
 use super::{Form, places, plain};
 use crate::basis::Order;
 use crate::geometry::MapTable;

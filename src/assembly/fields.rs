@@ -3,7 +3,7 @@
 use super::bulk::ask;
 use super::cells::Sums;
 use super::scratch::Scratch;
-use super::tensor::Patches;
+use super::sum_factorization::Patches;
 use super::{Coefficient, Form, Tangent};
 use crate::linalg::{Matrix, Real, Vector};
 use crate::quadrature::Quadrature;

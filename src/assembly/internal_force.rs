@@ -5,7 +5,7 @@ use super::cells::Sums;
 use super::check_field;
 use super::fields::field_at;
 use super::scratch::Scratch;
-use super::tensor::{Patches, QuadraturePoints};
+use super::sum_factorization::{Patches, QuadraturePoints};
 use super::vectors::add_elements;
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::Quadrature;

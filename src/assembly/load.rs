@@ -3,7 +3,7 @@
 use super::bulk::ask;
 use super::cells::Sums;
 use super::scratch::Scratch;
-use super::tensor::{Patches, QuadraturePoints};
+use super::sum_factorization::{Patches, QuadraturePoints};
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Csr, Matrix, Real, Vector, lit, measure as stretch, to_f64};

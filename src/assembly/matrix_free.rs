@@ -3,7 +3,7 @@
 use super::bulk::ask;
 use super::fields::tangent_at;
 use super::scratch::Scratch;
-use super::tensor::{Free, Patches};
+use super::sum_factorization::{Free, Patches};
 use super::vectors::add_elements;
 use super::{Form, Pattern, contract, places};
 use crate::linalg::{Matrix, Operator, Real, Vector};

@@ -20,7 +20,7 @@ mod rim;
 mod rules;
 mod scratch;
 mod source;
-mod tensor;
+mod sum_factorization;
 mod vectors;
 
 use crate::linalg::{Matrix, Real, Vector};

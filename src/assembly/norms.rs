@@ -3,7 +3,7 @@
 use super::bulk::ask;
 use super::cells::Sums;
 use super::fields::{field_at, tangent_at};
-use super::tensor::{Patches, QuadraturePoints};
+use super::sum_factorization::{Patches, QuadraturePoints};
 use super::{Form, contract, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::Quadrature;

@@ -2,7 +2,7 @@
 
 use super::cells::Slots;
 use super::graph::Graph;
-use super::tensor::numbers;
+use super::sum_factorization::numbers;
 use crate::basis::{Basis, Block, Elements};
 use crate::linalg::{Buffer, Csr, Real, Sparsity};
 use rayon::prelude::*;

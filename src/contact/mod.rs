@@ -15,7 +15,7 @@ mod pressed;
 mod pressure;
 mod surface;
 mod tail;
-mod width;
+mod half_width;
 
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
@@ -31,7 +31,7 @@ pub use obstacles::{HalfPlane, Moved, Sphere};
 pub use outline::{OutlineError, area_outline, curve_outline, without_seams};
 pub use pressure::ContactResultants;
 pub use surface::{OutlinePiece, Surface, pieces};
-pub use width::{ClosedSide, NoHalfWidth, half_width};
+pub use half_width::{ClosedSide, NoHalfWidth, half_width};
 
 /// Position of a point on a surface: element and local coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]

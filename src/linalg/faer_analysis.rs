@@ -1,7 +1,7 @@
 //! Symbolic part of a factorisation, which depends on the pattern alone and is reused for matrices of the same pattern.
 
 use super::faer_border::{Border, Nodes};
-use super::faer_fronts::Fronts;
+use super::multifrontal::Fronts;
 use super::faer_ldlt::buffer;
 use super::faer_solve::{solve, solve_bordered};
 use super::{Buffer, Csr, LinearError, Sparsity, Upper, faer_kernels, ordering};

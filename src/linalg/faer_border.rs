@@ -8,7 +8,7 @@
 //!
 //! Sources: Gilbert, Peierls, SIAM J. Sci. Stat. Comput. 9 (1988) 862-874 (sparse right-hand sides); Liu, SIAM Review 34 (1992) 82-109.
 
-use super::faer_fronts::lower_product;
+use super::multifrontal::lower_product;
 use super::{Buffer, Csr};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_unit_lower_triangular_in_place;

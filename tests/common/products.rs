@@ -1,4 +1,4 @@
-//! Patches whose functions are products, of every kind, and their copies that hide it: what the suites of `assembly::tensor` share.
+//! Patches whose functions are products, of every kind, and their copies that hide it: what the suites of `assembly::sum_factorization` share.
 #![allow(dead_code, clippy::unwrap_used)]
 
 #[allow(unused_imports)]

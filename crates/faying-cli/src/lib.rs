@@ -41,8 +41,8 @@ pub mod run;
 pub mod shapes;
 pub mod studies;
 pub mod table;
-mod unsolved;
-pub mod watch;
+mod null_out;
+pub mod run_control;
 mod words;
 
 pub use case::Case;
@@ -55,4 +55,4 @@ pub use place::{Located, Place};
 pub use registry::{Family, Fault, MakeSolver, Names, Registry, SolverOptions, UnknownName};
 pub use result::{RunResult, Status};
 pub use result_schema::result_schema;
-pub use watch::{Progress, RunControl, Stop};
+pub use run_control::{Progress, RunControl, Stop};

@@ -5,7 +5,7 @@ use super::lanes::{Jacobians, Layout, bent, constant, jacobians, products, pulle
 use super::slots::{BATCH, Batch};
 use super::tables::Tables;
 use crate::assembly::source::{Integrand, PointTangent};
-use crate::assembly::tensor::physical;
+use crate::assembly::sum_factorization::physical;
 use pulp::{Simd, WithSimd, bytemuck};
 use std::ops::Range;
 

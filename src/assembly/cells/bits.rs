@@ -1,7 +1,7 @@
 //! Tests for the same bits at every SIMD width: AVX2 against AVX-512 if the processor has both, straight and bent cells in one batch.
 
 use super::{CellSpace, Sums};
-use crate::assembly::tensor::QuadraturePoints;
+use crate::assembly::sum_factorization::QuadraturePoints;
 use crate::assembly::{Coefficient, Form, Pattern, gauss_rules};
 use crate::basis::Cell;
 use crate::linalg::{Csr, Matrix, Vector};

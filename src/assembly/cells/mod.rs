@@ -175,7 +175,7 @@ impl<const N: usize, T: Real> CellSpace<'_, N, N, T> {
 
 /// Whether there are kernels for cells of D dimensions in N that compute in `T`, and SIMD lanes for them.
 fn has_lanes<const D: usize, const N: usize, T: Real>() -> bool {
-    TypeId::of::<T>() == TypeId::of::<f64>() && super::tensor::lanes_available() && D == N && (N == 2 || N == 3)
+    TypeId::of::<T>() == TypeId::of::<f64>() && super::sum_factorization::lanes_available() && D == N && (N == 2 || N == 3)
 }
 
 /// The non-zero entries of the tangents in `all`, N x N numbers each.

@@ -3,7 +3,7 @@
 use super::points::{PointTables, SameTables};
 use super::sums::Sums;
 use super::visit::{PointQuantity, Run};
-use crate::assembly::tensor::{state, state_size};
+use crate::assembly::sum_factorization::{state, state_size};
 use crate::linalg::Real;
 use crate::space::{FieldAt, Space};
 use rayon::prelude::*;

@@ -8,7 +8,7 @@ use super::points::{self, Kinds, PointTables, SameTables};
 use super::visit::{PointQuantity, Run};
 use crate::assembly::Form;
 use crate::assembly::source::Integrand;
-use crate::assembly::tensor::{PointCallback, PointOperator, SQUARES};
+use crate::assembly::sum_factorization::{PointCallback, PointOperator, SQUARES};
 use crate::linalg::{Real, lit};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -56,7 +56,7 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
     }
 
     /// ∫ f . N dx for forces of `width` components, computed by `answer`, then their moments as
-    /// [`Patches::load`](crate::assembly::tensor::Patches::load) has them.
+    /// [`Patches::load`](crate::assembly::sum_factorization::Patches::load) has them.
     pub fn load(&self, width: usize, answer: &PointCallback<'_>) -> (Vec<T>, Vec<f64>) {
         self.forces(PointQuantity::Load(answer), width, None, width * (D + 1))
     }
@@ -109,7 +109,7 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
 
 impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
     /// The sums of squares of the difference between the field `u` (empty: zero) and the one of `answer`, as in
-    /// [`Patches::deviation`](crate::assembly::tensor::Patches::deviation).
+    /// [`Patches::deviation`](crate::assembly::sum_factorization::Patches::deviation).
     pub fn deviation<const C: usize>(&self, form: &Form<'_, C, N, T>, u: &[T], answer: &PointCallback<'_>) -> [f64; SQUARES] {
         let mut total = [0.0; SQUARES];
         let source = Integrand::new(form);

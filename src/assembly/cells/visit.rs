@@ -2,7 +2,7 @@
 
 use super::batch::Nodes;
 use super::points::PointTables;
-use crate::assembly::tensor::{
+use crate::assembly::sum_factorization::{
     Cell, Physical, PointCallback, PointOperator, QuadraturePoints, Squares, add_moments, finish, inverse, numbers_of_map, physical,
     state_size, tested,
 };

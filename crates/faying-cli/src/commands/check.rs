@@ -2,7 +2,7 @@
 
 use super::arguments::{CheckArguments, Common};
 use super::case;
-use super::clock::Clock;
+use super::timing::Clock;
 use super::ended::Exit;
 use super::streams::Streams;
 use super::summary;

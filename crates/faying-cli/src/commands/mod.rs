@@ -6,7 +6,7 @@
 mod arguments;
 mod case;
 mod check;
-mod clock;
+mod timing;
 mod convert;
 mod ended;
 mod explain;

@@ -1,7 +1,7 @@
 //! The folder of a command that solves something: its files in their order, its manifest, its log.
 
 use super::case::Loaded;
-use super::clock::Clock;
+use super::timing::Clock;
 use super::folder::{Folder, MANIFEST};
 use super::manifest::Manifest;
 use super::run::shown;

@@ -2,7 +2,7 @@
 
 use super::arguments::{Common, RunArguments, VtuCells};
 use super::case;
-use super::clock::Clock;
+use super::timing::Clock;
 use super::ended::{Exit, failure, status};
 use super::files::{self, Named};
 use super::folder::Folder;

@@ -2,7 +2,7 @@
 
 use super::arguments::{Common, StudyCommand};
 use super::case;
-use super::clock::Clock;
+use super::timing::Clock;
 use super::ended::Exit;
 use super::folder::Folder;
 use super::results::Results;

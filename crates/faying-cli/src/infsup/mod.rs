@@ -8,7 +8,7 @@ use super::result::{CheckReport, ProbeReport, RunResult, Status};
 use super::run::{MemoryLimit, end_early, too_large};
 use super::shapes::plane_net;
 use super::studies::{Method, Row, decided};
-use super::watch::RunControl;
+use super::run_control::RunControl;
 use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::table::short;

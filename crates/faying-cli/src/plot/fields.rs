@@ -1,6 +1,6 @@
 //! `fields.svg`: bodies with their curved element edges over a colour field, and a detail view of a small peak.
 
-use super::fewer::{PIECES, Piece, chained, few_lines, joined, straightened};
+use super::simplify::{PIECES, Piece, chained, few_lines, joined, straightened};
 use super::frame::{axes, bar, outline};
 use super::sample::{Drawn, boxes, division, divisions, sampled};
 use super::{GREY, INK, PlotError, Root, document, shortened, stroke, text, units};

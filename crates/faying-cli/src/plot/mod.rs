@@ -3,7 +3,7 @@
 //! Text uses the viewer's own sans-serif font. Equal input gives equal bytes.
 
 pub mod faces;
-mod fewer;
+mod simplify;
 mod fields;
 mod frame;
 mod iteration;

@@ -209,7 +209,7 @@ impl RunResult {
     pub fn to_value(&self) -> serde_json::Value {
         let mut value = self.numbers();
         if !self.solved {
-            super::unsolved::forget(&mut value, &self.command, !self.backends.is_empty());
+            super::null_out::forget(&mut value, &self.command, !self.backends.is_empty());
         }
         value
     }

@@ -6,7 +6,7 @@ use crate::errors::Diagnostic;
 use crate::lower::Places;
 use crate::place::Located;
 use crate::result::{Prediction, RunResult, Status};
-use crate::watch::Stop;
+use crate::run_control::Stop;
 use crate::words::{bytes, place, short};
 use faying::constraint::SolveError;
 use faying::contact::ContactError;

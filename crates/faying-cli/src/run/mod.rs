@@ -20,7 +20,7 @@ use super::quantities::Questions;
 use super::registry::{Names, Registry};
 use super::result::{Prediction, RunResult, Status, StepReport};
 use super::shapes::{MakeNet, plane_net, solid_net};
-use super::watch::{Progress, RunControl};
+use super::run_control::{Progress, RunControl};
 use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
 use crate::reference::Reference;

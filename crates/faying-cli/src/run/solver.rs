@@ -2,7 +2,7 @@
 
 use crate::case;
 use crate::registry::{Fault, Registry, SolverOptions, solver_name};
-use crate::watch::RunControl;
+use crate::run_control::RunControl;
 use faying::constraint::ConstraintSolver;
 use faying::linalg::Limits;
 

@@ -3,7 +3,7 @@
 use super::rows::Row;
 use crate::case::Case;
 use crate::registry::Registry;
-use crate::watch::RunControl;
+use crate::run_control::RunControl;
 
 /// Computation of a command on the case of every row.
 pub trait Method {

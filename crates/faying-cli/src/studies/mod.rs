@@ -9,7 +9,7 @@ mod choice;
 mod constants;
 mod csv;
 mod document;
-mod kept;
+mod stored_rows;
 mod method;
 mod picture;
 mod quantities;
@@ -22,7 +22,7 @@ mod table;
 
 pub use axes::{Axes, MOST_ROWS};
 pub use choice::{Degrees, Vary, repeated, split};
-pub use kept::StoredRows;
+pub use stored_rows::StoredRows;
 pub use method::{Method, Runs};
 pub use picture::picture;
 pub use quantities::{Asked, asked};

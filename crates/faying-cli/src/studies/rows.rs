@@ -6,7 +6,7 @@ use crate::errors::{Diagnostics, Severity};
 use crate::named::Named;
 use crate::registry::Registry;
 use crate::result::{RunResult, Status};
-use crate::watch::RunControl;
+use crate::run_control::RunControl;
 use serde_json::Value;
 use std::fmt::Write as _;
 

@@ -1,7 +1,7 @@
 //! A study with all its rows: solved in order, compared, judged.
 
 use super::axes::Axes;
-use super::kept::{self, StoredRows};
+use super::stored_rows::{self, StoredRows};
 use super::method::Method;
 use super::quantities::{Asked, asked};
 use super::rates;
@@ -11,7 +11,7 @@ use crate::errors::{Diagnostic, Diagnostics};
 use crate::named::Named;
 use crate::registry::Registry;
 use crate::result::Status;
-use crate::watch::{RunControl, Stop};
+use crate::run_control::{RunControl, Stop};
 use std::collections::BTreeMap;
 
 /// Codes in the order in which they decide the exit code of several rows.
@@ -110,7 +110,7 @@ impl StudyPlan<'_> {
                 break;
             }
             let case = base.read(spec);
-            let key = kept::key(&command, &base, spec, case.as_ref().ok());
+            let key = stored_rows::key(&command, &base, spec, case.as_ref().ok());
             let known = self.kept.and_then(|kept| kept.rows(&key, self.command, spec, &base));
             let found = known.unwrap_or_else(|| {
                 begins(k, specs.len(), &label(spec, &self.axes));
@@ -124,7 +124,7 @@ impl StudyPlan<'_> {
             keys.extend(std::iter::repeat_n(key, found.len()));
             rows.extend(found);
         }
-        let stored = kept::text(&rows, &keys);
+        let stored = stored_rows::text(&rows, &keys);
         let mut study = Study {
             command: self.command.to_owned(),
             case: self.base.name.to_owned(),

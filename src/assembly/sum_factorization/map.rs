@@ -3,7 +3,7 @@
 //! Per point: x (N numbers), the rows of det J times the inverse of J (N x N), weight / |det J|, weight |det J|, det J.
 
 use super::axis::Axis;
-use super::net::{Curves, TensorField, Tile};
+use super::tensor_field::{Curves, TensorField, Tile};
 use pulp::{Simd, bytemuck};
 use std::fmt::Debug;
 use std::ops::Range;

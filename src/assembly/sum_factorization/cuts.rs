@@ -2,7 +2,7 @@
 
 use super::Patches;
 use super::coefficient::Coefficient;
-use super::march::SweepPlan;
+use super::sweep::SweepPlan;
 use crate::assembly::source::Integrand;
 use crate::assembly::{Coefficient as Given, Form, Pattern, Tangent, bulk, gauss_rules, plain};
 use crate::basis::{BSpline, Basis, Rational, TensorProduct};

@@ -7,11 +7,11 @@
 use super::aligned::Aligned;
 use super::axis::Axis;
 use super::cell::{Cell, Here};
-use super::gather::{self, Gather};
+use super::integrate::{self, Gather};
 use super::grid::{QuadratureGrid, Sink, Visit};
 use super::lanes::rows;
-use super::law::{self, PointOperator};
-use super::spread::{self, Coefficients, Interpolation, Read};
+use super::point_operator::{self, PointOperator};
+use super::interpolate::{self, Coefficients, Interpolation, Read};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
 /// Functions along the first direction at most for which a point is done at once: more do not fit the registers.
@@ -94,7 +94,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Line<'_, '_, S, N> {
     }
 }
 
-/// Adds B^T D B of a line to `to`, terms in the order of [`spread::cell`] and [`gather::cell`].
+/// Adds B^T D B of a line to `to`, terms in the order of [`interpolate::cell`] and [`integrate::cell`].
 #[inline(always)]
 fn points<S: Simd, const N: usize, const NP: usize>(simd: S, axis: &Axis, from: &[S::f64s], d: &[S::f64s], to: &mut [S::f64s]) {
     let zero = simd.splat_f64s(0.0);
@@ -120,7 +120,7 @@ fn points<S: Simd, const N: usize, const NP: usize>(simd: S, axis: &Axis, from: 
                     g[k] = simd.mul_add_e_f64s(own[a][k], v, g[k]);
                 }
             }
-            law::kept_scalar::<S, N>(simd, d, &mut g);
+            point_operator::kept_scalar::<S, N>(simd, d, &mut g);
             for a in 0..NP {
                 let (v, s) = (simd.splat_f64s(values[a]), simd.splat_f64s(slopes[a]));
                 sums[a][0] = simd.mul_add_e_f64s(g[0], s, sums[a][0]);
@@ -169,19 +169,19 @@ impl<V: bytemuck::Pod, const N: usize> Product<'_, V, N> {
         self.g.resize(cell.points * width * (N + 1));
         self.h.resize(2 * width * N);
         let line = self.spread.line::<N>(self.field, here.middle.1);
-        spread::cell::<S, N, NP, RATIONAL>(simd, &axes[0], here.first, width, line, &mut self.g);
+        interpolate::cell::<S, N, NP, RATIONAL>(simd, &axes[0], here.first, width, line, &mut self.g);
         if let PointOperator::Kept { symmetric: true } = self.law
             && width == 1
             && !RATIONAL
         {
             for (d, g) in cell.kept.chunks_exact(N * (N + 1) / 2).zip(self.g.chunks_exact_mut(N + 1)) {
-                law::kept_scalar::<S, N>(simd, d, g);
+                point_operator::kept_scalar::<S, N>(simd, d, g);
             }
         } else {
             simd.vectorize(Tangents::<'_, '_, S, N> { simd, product: self, cell });
         }
         let line = self.gather.line::<N>(axes, here.middle.1);
-        gather::cell::<S, N, N, NP, RATIONAL>(simd, &axes[0], here.first, width, &self.g, line);
+        integrate::cell::<S, N, N, NP, RATIONAL>(simd, &axes[0], here.first, width, &self.g, line);
     }
 }
 
@@ -234,7 +234,7 @@ impl<const N: usize> pulp::WithSimd for Apply<'_, '_, '_, N> {
             tangents: Vec::new(),
             buffer: Vec::new(),
         };
-        grid.walk::<S, N, _>(simd, gather::plane_kinds(N) * field.plane(), new, sink);
+        grid.walk::<S, N, _>(simd, integrate::plane_kinds(N) * field.plane(), new, sink);
     }
 }
 

@@ -1,7 +1,7 @@
 //! The matrix of a patch: pattern, then values.
 
 use super::coefficient::Coefficient;
-use super::march::{RowRange, SweepPlan, march};
+use super::sweep::{RowRange, SweepPlan, march};
 use super::pattern::pattern;
 use super::write::{Directions, RowScratch, Sums};
 use super::{Patch, Patches, scatter, strip};

@@ -8,7 +8,7 @@
 //!
 //! and the result is scaled by w_i w_j: grad R_i = w_i (grad N_i / W - N_i grad W / W²).
 
-use super::law;
+use super::point_operator;
 use super::map::numbers;
 use crate::assembly::source::Integrand;
 use pulp::Simd;
@@ -63,10 +63,10 @@ impl Coefficient<'_> {
     }
 
     /// Tangents of all points of a tile, where they vary: `out[point * C² N² + ..]`, points of the tile in lanes; `state` as in
-    /// [`law::tangents`].
+    /// [`point_operator::tangents`].
     pub fn tangents<S: Simd, const N: usize>(&self, geo: &[S::f64s], state: &[S::f64s], buffer: &mut Vec<f64>, out: &mut [S::f64s]) {
         if let Integrand::PerPoint { at, .. } = &self.source {
-            law::tangents::<S, N>(at, self.components, geo, state, buffer, out);
+            point_operator::tangents::<S, N>(at, self.components, geo, state, buffer, out);
         }
     }
 

@@ -2,12 +2,12 @@
 
 use super::axis::Axis;
 use super::diagonal::{self, ORDERS, squares};
-use super::gather;
+use super::integrate;
 use super::grid::{Points, QuadratureGrid};
-use super::keep::{PointCache, keep};
-use super::law::PointOperator;
+use super::point_cache::{PointCache, keep};
+use super::point_operator::PointOperator;
 use super::map::{Asks, Map};
-use super::net::TensorField;
+use super::tensor_field::TensorField;
 use super::part::PatchNumbering;
 use super::product::product;
 use super::{Patch, Patches};
@@ -81,7 +81,7 @@ impl Free {
             let owners = slow.owners();
             part.add(patch.functions.len(), y, |own| {
                 let kinds = (2, 2 * own.len() / slow.functions.max(1));
-                let mut add = |points: Range<usize>, planes: &[f64]| gather::slow(slow, &owners, kinds, planes, points, own);
+                let mut add = |points: Range<usize>, planes: &[f64]| integrate::slow(slow, &owners, kinds, planes, points, own);
                 patch.with_law::<C, N>(part, &source, asks, |grid, law| product(grid, law, C, &read, &mut add));
             });
         }

@@ -5,12 +5,12 @@ use super::Patches;
 use super::aligned::Aligned;
 use super::axis::Axis;
 use super::cell::{Cell, Here};
-use super::gather::{self, Gather};
+use super::integrate::{self, Gather};
 use super::gradients::State;
 use super::grid::{QuadratureGrid, Sink, Visit};
-use super::law;
+use super::point_operator;
 use super::map::numbers;
-use super::sites::{PointCallback, QuadraturePoints};
+use super::point_callbacks::{PointCallback, QuadraturePoints};
 use crate::linalg::{Real, to_f64};
 use pulp::{Simd, bytemuck};
 use std::ops::Range;
@@ -60,7 +60,7 @@ impl<S: Simd, const N: usize, const K: usize> Visit<S, N> for Force<'_, S::f64s,
             let mut dx = map[N + N * N + 1];
             if K > 1 {
                 let weight = cell.weight.map(|w| &w[q * (N + 1)..][..N + 1]);
-                law::tested::<S, N>(simd, map, weight, &answers[..width * N], t);
+                point_operator::tested::<S, N>(simd, map, weight, &answers[..width * N], t);
                 self.sums[0] = simd.mul_add_e_f64s(answers[width * N], dx, self.sums[0]);
                 continue;
             }
@@ -75,11 +75,11 @@ impl<S: Simd, const N: usize, const K: usize> Visit<S, N> for Force<'_, S::f64s,
         let line = self.gather.line::<N>(self.axes, here.middle.1);
         let (axis, e, t) = (&self.axes[0], here.first, &self.t);
         match axis.active {
-            2 => gather::cell::<S, N, K, 2, true>(simd, axis, e, width, t, line),
-            3 => gather::cell::<S, N, K, 3, true>(simd, axis, e, width, t, line),
-            4 => gather::cell::<S, N, K, 4, true>(simd, axis, e, width, t, line),
-            5 => gather::cell::<S, N, K, 5, true>(simd, axis, e, width, t, line),
-            _ => gather::cell::<S, N, K, 6, true>(simd, axis, e, width, t, line),
+            2 => integrate::cell::<S, N, K, 2, true>(simd, axis, e, width, t, line),
+            3 => integrate::cell::<S, N, K, 3, true>(simd, axis, e, width, t, line),
+            4 => integrate::cell::<S, N, K, 4, true>(simd, axis, e, width, t, line),
+            5 => integrate::cell::<S, N, K, 5, true>(simd, axis, e, width, t, line),
+            _ => integrate::cell::<S, N, K, 6, true>(simd, axis, e, width, t, line),
         }
     }
 
@@ -139,7 +139,7 @@ impl<const N: usize, const K: usize> pulp::WithSimd for Run<'_, '_, '_, N, K> {
             sums: Vec::new(),
         };
         let functions: usize = axes[..N - 1].iter().map(|a| a.functions).product();
-        grid.walk::<S, N, _>(simd, width * functions * gather::plane_kinds(K) + sizes::<N, K>(width).1, new, sink);
+        grid.walk::<S, N, _>(simd, width * functions * integrate::plane_kinds(K) + sizes::<N, K>(width).1, new, sink);
     }
 }
 
@@ -168,7 +168,7 @@ impl Patches<'_> {
     ) -> (Vec<T>, Vec<f64>) {
         let mut out = vec![T::zero(); components * functions];
         let dimension = self.patches.first().map_or(0, |patch| patch.axes.len());
-        let kinds = if state.is_some() { gather::plane_kinds(dimension) } else { 1 };
+        let kinds = if state.is_some() { integrate::plane_kinds(dimension) } else { 1 };
         let mut sums = vec![0.0; if state.is_some() { 1 } else { components * (dimension + 1) }];
         for (k, patch) in self.patches.iter().enumerate() {
             let slow = &patch.axes[dimension - 1];
@@ -181,7 +181,7 @@ impl Patches<'_> {
                     for numbers in planes.chunks_exact(size).take(points.len()) {
                         sums.iter_mut().zip(&numbers[plane..]).for_each(|(sum, m)| *sum += m);
                     }
-                    gather::slow(slow, &owners, (kinds, size), planes, points, own);
+                    integrate::slow(slow, &owners, (kinds, size), planes, points, own);
                 };
                 let grid = QuadratureGrid { state: state.map(|u| State { part, u }), ..patch.grid() };
                 force(grid, components, answer, &mut sink);

@@ -3,10 +3,10 @@
 use super::aligned::Aligned;
 use super::cell::{Cell, Here, quotient};
 use super::map::{inverse, numbers};
-use super::net::TensorField;
+use super::tensor_field::TensorField;
 use super::part::PatchNumbering;
-use super::spread::{Coefficients, Interpolation, Values};
-use super::{Patch, law};
+use super::interpolate::{Coefficients, Interpolation, Values};
+use super::{Patch, point_operator};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
 /// Unknowns of a state, and the share of a patch in them.
@@ -78,7 +78,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Physical<'_, S, N> {
             let r = inverse::<S, N>(simd, &cell.map[q * numbers(N)..][..numbers(N)]);
             for (g, out) in g.chunks_exact_mut(N + 1).zip(out.chunks_exact_mut(N)) {
                 quotient::<S, N>(simd, cell, q, g);
-                out.copy_from_slice(&law::physical::<S, N>(simd, &r, g));
+                out.copy_from_slice(&point_operator::physical::<S, N>(simd, &r, g));
             }
         }
     }

@@ -7,7 +7,7 @@
 use super::axis::Axis;
 use super::cell::{Cell, Here};
 use super::grid::{QuadratureGrid, Sink, Visit};
-use super::law::PointOperator;
+use super::point_operator::PointOperator;
 use pulp::{Simd, bytemuck};
 
 /// Numbers of derivatives along a direction: none, one, two.

@@ -5,7 +5,7 @@
 //! same number comes after all others. So every entry is summed in an order that does not depend on the threads.
 
 use super::glue::Glue;
-use super::march::{RowRange, SweepPlan, march};
+use super::sweep::{RowRange, SweepPlan, march};
 use super::write::{Directions, RowScratch, Sums};
 use crate::assembly::pattern::each_row;
 use crate::linalg::{Csr, Real, Sparsity};

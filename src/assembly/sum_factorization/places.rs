@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::map::{self, ElementScratch, Map, MapTile, numbers};
-use super::net::{Curves, Tile};
+use super::tensor_field::{Curves, Tile};
 use super::{Patch, Patches};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! The second sweep over a layer of elements: sums per vector of pairs of the fastest direction.
 
-use super::layer::{Layer, Sweep};
+use super::tile::{Layer, Sweep};
 use super::middle::{self, Tiles};
 use super::strip::Window;
 use super::{groups, slow};

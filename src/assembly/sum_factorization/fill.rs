@@ -3,8 +3,8 @@
 use super::axis::Axis;
 use super::cell::Here;
 use super::map::{self, Ask, numbers};
-use super::net::TensorField;
-use super::spread;
+use super::tensor_field::TensorField;
+use super::interpolate;
 use pulp::{NullaryFnOnce, Simd};
 
 /// The map of a cell from the line of a net; compiled once for all visitors.
@@ -30,9 +30,9 @@ impl<S: Simd, const N: usize> NullaryFnOnce for FromNet<'_, S, N> {
             let weight = simd.mul_f64s(outer, simd.splat_f64s(axis.weights[q]));
             let at = (q, first);
             let (x, t) = match (N, net.width) {
-                (2, 2) => map::position(simd, spread::at::<S, N, 2>(simd, &net.axes[0], at, line)),
-                (_, 3) => map::position(simd, spread::at::<S, N, 3>(simd, &net.axes[0], at, line)),
-                _ => map::position(simd, spread::at::<S, N, 4>(simd, &net.axes[0], at, line)),
+                (2, 2) => map::position(simd, interpolate::at::<S, N, 2>(simd, &net.axes[0], at, line)),
+                (_, 3) => map::position(simd, interpolate::at::<S, N, 3>(simd, &net.axes[0], at, line)),
+                _ => map::position(simd, interpolate::at::<S, N, 4>(simd, &net.axes[0], at, line)),
             };
             map::finish(simd, &x, &t, weight, out);
         }

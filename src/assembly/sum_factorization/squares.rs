@@ -1,7 +1,7 @@
 //! Squares of the difference of two fields at the points of a cell: values, gradients, energy.
 
 use super::cell::{Cell, quotient};
-use super::law::{self, PointOperator};
+use super::point_operator::{self, PointOperator};
 use super::map::{inverse, numbers};
 use pulp::{Simd, bytemuck};
 
@@ -45,7 +45,7 @@ impl<'a, V: bytemuck::Pod> Squares<'a, V> {
             for c in 0..width {
                 let g = &mut g[(q * width + c) * (N + 1)..][..N + 1];
                 quotient::<S, N>(simd, cell, q, g);
-                let own = law::physical::<S, N>(simd, &r, g);
+                let own = point_operator::physical::<S, N>(simd, &r, g);
                 let value = simd.sub_f64s(g[N], other[c]);
                 squares[0] = simd.mul_add_e_f64s(value, value, squares[0]);
                 squares[3] = simd.mul_add_e_f64s(other[c], other[c], squares[3]);

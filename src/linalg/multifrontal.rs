@@ -8,7 +8,7 @@
 //! Sources: Duff, Reid, ACM Trans. Math. Softw. 9 (1983) 302-325; Liu, SIAM Review 34 (1992) 82-109.
 
 use super::Buffer;
-use super::faer_panel::eliminate;
+use super::dense_panel::eliminate;
 use super::packed::{add, triangle};
 use faer::linalg::matmul::matmul;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;

@@ -4,8 +4,8 @@ use super::aligned::Aligned;
 use super::cell::{Cell, Here, quotient};
 use super::grid::{QuadratureGrid, Visit};
 use super::map::{inverse, numbers};
-use super::spread::{Coefficients, Interpolation, Values};
-use super::{Patch, Patches, law};
+use super::interpolate::{Coefficients, Interpolation, Values};
+use super::{Patch, Patches, point_operator};
 use crate::linalg::{Matrix, Real, Vector, lit};
 use crate::space::FieldAt;
 use pulp::{Simd, bytemuck};
@@ -62,7 +62,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for States<'_, S::f64s> {
                 let g = &mut self.g[(q * width + c) * (N + 1)..][..N + 1];
                 quotient::<S, N>(simd, cell, q, g);
                 put(q, N + c, g[N]);
-                for (k, value) in law::physical::<S, N>(simd, &r, g).into_iter().enumerate() {
+                for (k, value) in point_operator::physical::<S, N>(simd, &r, g).into_iter().enumerate() {
                     put(q, N + width + c * N + k, value);
                 }
             }

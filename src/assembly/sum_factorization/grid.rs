@@ -10,9 +10,9 @@ use super::cell::{Cell, Here};
 use super::fill::{FromNet, ask_cell, fill_asked};
 use super::gradients::{Gradients, State};
 use super::map::{Ask, Asks, Map, numbers};
-use super::net::TensorField;
+use super::tensor_field::TensorField;
 use super::part::PatchNumbering;
-use super::spread::{self, Coefficients, Interpolation};
+use super::interpolate::{self, Coefficients, Interpolation};
 use crate::assembly::source::Integrand;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
@@ -258,7 +258,7 @@ fn fill_weights<S: Simd, const N: usize>(
     weights: &mut [S::f64s],
 ) {
     for (q, out) in points.zip(weights.chunks_exact_mut(N + 1)) {
-        let (value, slope) = spread::at::<S, N, 1>(simd, axis, (q, e), line);
+        let (value, slope) = interpolate::at::<S, N, 1>(simd, axis, (q, e), line);
         out[0] = value[0];
         for k in 0..N {
             out[1 + k] = slope[k][0];

@@ -3,7 +3,7 @@
 use super::aligned::{NUMBERS, offset};
 use super::cell::{Cell, Here};
 use super::grid::{Points, QuadratureGrid, Visit};
-use super::law::PointOperator;
+use super::point_operator::PointOperator;
 use crate::linalg::Buffer;
 use pulp::{Simd, bytemuck};
 use std::ops::Range;
