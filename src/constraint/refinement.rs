@@ -5,8 +5,8 @@
 //! ```
 
 use super::scale::Scaled;
-use crate::linalg::residual::{RESIDUAL_LIMIT, max, ratio, relative};
 use crate::linalg::double_double::residual_rows;
+use crate::linalg::residual::{RESIDUAL_LIMIT, max, ratio, relative};
 use crate::linalg::{Limits, LinearError};
 
 /// Corrections of an iterative method: each gains several digits.

@@ -6,6 +6,7 @@ mod depth;
 mod frames;
 mod gap;
 mod greville;
+mod half_width;
 mod level_set;
 mod line_zero;
 mod method;
@@ -15,7 +16,6 @@ mod pressed;
 mod pressure;
 mod surface;
 mod tail;
-mod half_width;
 
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
@@ -25,13 +25,13 @@ pub use cone::{Cone, MOST_FUNCTIONS};
 pub use frames::ContactKinematics;
 pub use gap::{ContactError, ContactRows, Opponent, RowsAt};
 pub use greville::greville_points;
+pub use half_width::{ClosedSide, NoHalfWidth, half_width};
 pub use level_set::LevelSet;
 pub use method::{Augmented, Begun, ContactAt, ContactMethod, Lagrange, MethodError, Needs, PointValues, Translation};
 pub use obstacles::{HalfPlane, Moved, Sphere};
 pub use outline::{OutlineError, area_outline, curve_outline, without_seams};
 pub use pressure::ContactResultants;
 pub use surface::{OutlinePiece, Surface, pieces};
-pub use half_width::{ClosedSide, NoHalfWidth, half_width};
 
 /// Position of a point on a surface: element and local coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! Symbolic part of a factorisation, which depends on the pattern alone and is reused for matrices of the same pattern.
 
 use super::faer_border::{Border, Nodes};
-use super::multifrontal::Fronts;
 use super::faer_ldlt::buffer;
 use super::faer_solve::{solve, solve_bordered};
+use super::multifrontal::Fronts;
 use super::{Buffer, Csr, LinearError, Sparsity, Upper, faer_kernels, ordering};
 use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::ldlt::factor::LdltRegularization;

@@ -1,7 +1,7 @@
 //! LDLᵀ of dense symmetric quasi-definite matrices, without pivoting.
 
-use super::faer_kernels;
 use super::dense_panel::eliminate;
+use super::faer_kernels;
 use super::{Buffer, LinearError};
 use faer::linalg::matmul::matmul;
 use faer::{Accum, MatMut, MatRef, Par};

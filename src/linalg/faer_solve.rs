@@ -1,7 +1,7 @@
 //! Solves with an L D Lᵀ factor, node by node and four columns at a time.
 
-use super::faer_border::{Border, Nodes, Supernode};
 use super::dense_panel::subtract_each;
+use super::faer_border::{Border, Nodes, Supernode};
 use super::{Buffer, Csr};
 use pulp::{Arch, Simd, WithSimd};
 

@@ -1,7 +1,7 @@
 //! Solves by a factor with iterative refinement on the matrix itself, with residuals in twice the working precision.
 
-use super::residual::{RESIDUAL_LIMIT, max, ratio, relative, residual};
 use super::double_double::residual_rows;
+use super::residual::{RESIDUAL_LIMIT, max, ratio, relative, residual};
 use super::{Buffer, LinearError, Operator};
 
 /// Limit of refinements, even if the residual still falls.

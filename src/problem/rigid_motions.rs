@@ -32,7 +32,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         self.first_left(times, |t| free_by(self, t, &first, &|_, _, _| true, Ties::Points))
     }
 
-    /// What is left at the first of `times` that leaves anything: springs may vanish at some of them.
+    /// Motions at the first of `times` that leaves any: springs may vanish at some of them.
     fn first_left(&self, times: &[f64], left: impl Fn(f64) -> Vec<FreeBody>) -> Vec<FreeBody> {
         let changes = self.springs.iter().any(|s| s.stiffness.depends_on_time());
         let times = if changes { times } else { &times[..times.len().min(1)] };

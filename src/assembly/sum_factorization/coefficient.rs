@@ -8,8 +8,8 @@
 //!
 //! and the result is scaled by w_i w_j: grad R_i = w_i (grad N_i / W - N_i grad W / W²).
 
-use super::point_operator;
 use super::map::numbers;
+use super::point_operator;
 use crate::assembly::source::Integrand;
 use pulp::Simd;
 

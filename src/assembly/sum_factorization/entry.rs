@@ -1,8 +1,8 @@
 //! The matrix of a patch: pattern, then values.
 
 use super::coefficient::Coefficient;
-use super::sweep::{RowRange, SweepPlan, march};
 use super::pattern::pattern;
+use super::sweep::{RowRange, SweepPlan, march};
 use super::write::{Directions, RowScratch, Sums};
 use super::{Patch, Patches, scatter, strip};
 use crate::assembly::Form;

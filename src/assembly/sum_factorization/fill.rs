@@ -2,9 +2,9 @@
 
 use super::axis::Axis;
 use super::cell::Here;
+use super::interpolate;
 use super::map::{self, Ask, numbers};
 use super::tensor_field::TensorField;
-use super::interpolate;
 use pulp::{NullaryFnOnce, Simd};
 
 /// The map of a cell from the line of a net; compiled once for all visitors.

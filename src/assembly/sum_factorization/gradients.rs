@@ -2,10 +2,10 @@
 
 use super::aligned::Aligned;
 use super::cell::{Cell, Here, quotient};
-use super::map::{inverse, numbers};
-use super::tensor_field::TensorField;
-use super::part::PatchNumbering;
 use super::interpolate::{Coefficients, Interpolation, Values};
+use super::map::{inverse, numbers};
+use super::part::PatchNumbering;
+use super::tensor_field::TensorField;
 use super::{Patch, point_operator};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 

@@ -2,14 +2,14 @@
 
 use super::axis::Axis;
 use super::diagonal::{self, ORDERS, squares};
-use super::integrate;
 use super::grid::{Points, QuadratureGrid};
+use super::integrate;
+use super::map::{Asks, Map};
+use super::part::PatchNumbering;
 use super::point_cache::{PointCache, keep};
 use super::point_operator::PointOperator;
-use super::map::{Asks, Map};
-use super::tensor_field::TensorField;
-use super::part::PatchNumbering;
 use super::product::product;
+use super::tensor_field::TensorField;
 use super::{Patch, Patches};
 use crate::assembly::source::Integrand;
 use crate::assembly::{Coefficient, Form};

@@ -7,11 +7,11 @@
 use super::aligned::Aligned;
 use super::axis::Axis;
 use super::cell::{Cell, Here};
-use super::integrate::{self, Gather};
 use super::grid::{QuadratureGrid, Sink, Visit};
+use super::integrate::{self, Gather};
+use super::interpolate::{self, Coefficients, Interpolation, Read};
 use super::lanes::rows;
 use super::point_operator::{self, PointOperator};
-use super::interpolate::{self, Coefficients, Interpolation, Read};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
 /// Functions along the first direction at most for which a point is done at once: more do not fit the registers.

@@ -1,8 +1,8 @@
 //! Squares of the difference of two fields at the points of a cell: values, gradients, energy.
 
 use super::cell::{Cell, quotient};
-use super::point_operator::{self, PointOperator};
 use super::map::{inverse, numbers};
+use super::point_operator::{self, PointOperator};
 use pulp::{Simd, bytemuck};
 
 /// Squares that are summed: value, gradient, energy of the difference, then of the other field.

@@ -3,8 +3,8 @@
 use super::aligned::Aligned;
 use super::cell::{Cell, Here, quotient};
 use super::grid::{QuadratureGrid, Visit};
-use super::map::{inverse, numbers};
 use super::interpolate::{Coefficients, Interpolation, Values};
+use super::map::{inverse, numbers};
 use super::{Patch, Patches, point_operator};
 use crate::linalg::{Matrix, Real, Vector, lit};
 use crate::space::FieldAt;

@@ -1,8 +1,8 @@
 //! The second sweep over a layer of elements: sums per vector of pairs of the fastest direction.
 
-use super::tile::{Layer, Sweep};
 use super::middle::{self, Tiles};
 use super::strip::Window;
+use super::tile::{Layer, Sweep};
 use super::{groups, slow};
 use pulp::{NullaryFnOnce, Simd};
 

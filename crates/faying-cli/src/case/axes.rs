@@ -1,9 +1,9 @@
 //! Axes of studies: changes of a case by a row, after `--set`. Each sets its key in every block where the grammar says that it has an
 //! effect.
 
-use super::key::{Axis, Key, Special};
+use super::key::{Axis, Key, Scene, Special};
 use super::names::Names;
-use super::rows::{ROOT, Scene};
+use super::rows::ROOT;
 use super::tree::{Node, Table, Value, parse_value};
 use crate::place::{Origin, Place};
 

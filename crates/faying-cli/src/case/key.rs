@@ -2,9 +2,8 @@
 //! studies follow from it.
 
 use super::names::{EntryFamily, Names};
-use super::reader::Uses;
-use super::rows::Scene;
 use super::tree::Table;
+use crate::place::Located;
 use std::fmt;
 
 /// A key of a block: its name, its type, its default, its meaning.
@@ -14,7 +13,7 @@ pub struct Key {
     pub name: &'static str,
     /// Type of its values.
     pub kind: KeyKind,
-    /// What a case has without it.
+    /// State of a case without it.
     pub absent: Absent,
     /// Meaning, for `faying explain`, `faying schema` and the reference.
     pub text: &'static str,
@@ -24,7 +23,7 @@ pub struct Key {
     pub(crate) aliases: &'static [&'static str],
     /// A symbol of textbooks that is taken for it in messages.
     pub(crate) symbol: Option<&'static str>,
-    /// Where it has an effect; everywhere if `None`.
+    /// Condition under which it has an effect; `None`: everywhere.
     pub(super) only: Option<Only>,
     /// The axis of studies that sets it.
     pub(crate) axis: Option<Axis>,
@@ -115,6 +114,15 @@ pub(super) enum Special {
     Later(Plain, &'static str),
 }
 
+/// Names that a formula may use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(in crate::case) enum Uses {
+    Space,
+    Gap,
+    Time,
+    Check,
+}
+
 /// Values of a key that this version does not have which mean what it does anyway.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Plain {
@@ -133,9 +141,9 @@ pub(super) enum Plain {
 pub(super) struct Only {
     /// Whether it holds in a block, of which the keys that it asks for may be missing.
     pub holds: fn(&Table, &Scene<'_>) -> bool,
-    /// Where the key belongs: "elasticity".
+    /// The place that the key belongs to: "elasticity".
     pub of: &'static str,
-    /// What to write instead; may be empty.
+    /// Remedy; may be empty.
     pub instead: &'static str,
 }
 
@@ -149,6 +157,16 @@ impl PartialEq for Only {
     fn eq(&self, other: &Self) -> bool {
         self.of == other.of
     }
+}
+
+/// Surroundings of a block that its keys may depend on.
+pub(super) struct Scene<'a> {
+    pub names: &'a Names,
+    /// Whether the physics is Poisson's equation.
+    pub poisson: bool,
+    pub dimension: usize,
+    /// Backend of [discretization].
+    pub backend: Option<&'a Located<String>>,
 }
 
 /// An axis of studies: a key that a row of a study sets in every block where it has an effect.
@@ -267,17 +285,6 @@ impl Key {
             (KeyKind::Vector, 3, "[1, 1]") => format!("{} = [1, 1, 1]", self.name),
             (KeyKind::Vector, 3, "[0, 1]") => format!("{} = [0, 0, 1]", self.name),
             _ => format!("{} = {value}", self.name),
-        }
-    }
-
-    /// Keys within its value.
-    pub(super) fn inside(&self, names: &Names) -> Inside {
-        match self.special() {
-            Some(Special::Block(keys) | Special::Blocks(keys) | Special::BlockPer(_, keys)) => Inside::Block(names.extended(keys)),
-            Some(Special::Multiplier) => Inside::Block(super::rows::MULTIPLIER.to_vec()),
-            Some(Special::Geometry) => Inside::Kinds(super::rows::geometries()),
-            Some(Special::Obstacle) => Inside::Kinds(super::rows::obstacles(names)),
-            _ => Inside::Nothing,
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::key::{Absent, Inside, Key, KeyKind, Plain, Special};
 use super::names::Names;
 use super::reader::Uses;
-use super::rows::ROOT;
+use super::rows::{ROOT, inside};
 use std::fmt::Write;
 
 /// A key with its path from the top level, such as `contact.rigid.sphere.radius`.
@@ -13,7 +13,7 @@ pub struct KeyPath {
     pub path: String,
     /// The key.
     pub key: Key,
-    /// Where it has an effect; empty if everywhere.
+    /// Condition under which it has an effect; empty if everywhere.
     pub only: String,
 }
 
@@ -33,7 +33,7 @@ pub fn keys(names: &Names) -> Vec<KeyPath> {
             let found = KeyPath::new(keys, at, key, names);
             let path = found.path.clone();
             all.push(found);
-            match key.inside(names) {
+            match inside(key, names) {
                 Inside::Nothing => {}
                 Inside::Block(keys) => walk(&keys, &path, names, all),
                 Inside::Kinds(kinds) => kinds.iter().for_each(|(kind, keys)| walk(keys, &format!("{path}.{kind}"), names, all)),
@@ -104,7 +104,7 @@ pub fn values(key: &Key, names: &Names) -> String {
         Special::BlockPer(words, _) => format!("a table for each of {}", words.join(", ")),
         Special::Let => "a table of NAME = number or quoted formula".to_owned(),
         Special::Geometry | Special::Obstacle => {
-            let Inside::Kinds(kinds) = key.inside(names) else { return String::new() };
+            let Inside::Kinds(kinds) = inside(key, names) else { return String::new() };
             let mut words: Vec<&str> = kinds.iter().map(|(kind, _)| kind.as_str()).collect();
             words.dedup();
             format!("a table with kind = {}", quoted(&words))
@@ -151,7 +151,7 @@ pub fn explained(found: &KeyPath, names: &Names) -> String {
     if let Some(Special::Later(_, help)) = key.special() {
         line("instead", help);
     }
-    match key.inside(names) {
+    match inside(key, names) {
         Inside::Nothing => {}
         Inside::Block(keys) => line("keys", &keys.iter().map(|k| k.name).collect::<Vec<_>>().join(", ")),
         Inside::Kinds(kinds) => {
@@ -196,7 +196,7 @@ fn table(title: &str, at: &str, keys: &[Key], names: &Names, out: &mut String) {
             Some(Special::Block(_)) if at.is_empty() => format!("[{path}]"),
             _ => format!("{path} = {{ .. }}"),
         };
-        match key.inside(names) {
+        match inside(key, names) {
             Inside::Nothing => {}
             Inside::Block(keys) => table(&title, &path, &keys, names, out),
             Inside::Kinds(kinds) => {

@@ -2,7 +2,7 @@
 
 use super::key::{Absent, Inside, Key, KeyKind, Plain, Special};
 use super::names::Names;
-use super::rows::ROOT;
+use super::rows::{ROOT, inside};
 use super::tree::parse_value;
 use crate::place::Place;
 use serde_json::{Map, Value, json};
@@ -152,7 +152,7 @@ fn kinded(inside: Inside, names: &Names) -> Value {
 }
 
 fn definitions(names: &Names) -> Value {
-    let inside = |kind: Special| Key::of("", kind, "").inside(names);
+    let inside = |kind: Special| inside(&Key::of("", kind, ""), names);
     json!({
         "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]+$"},
         "number": {"type": ["number", "string"], "description": "a number, or a quoted formula of constants"},

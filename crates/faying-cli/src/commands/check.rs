@@ -2,10 +2,10 @@
 
 use super::arguments::{CheckArguments, Common};
 use super::case;
-use super::timing::Clock;
 use super::ended::Exit;
 use super::streams::Streams;
 use super::summary;
+use super::timing::Clock;
 use crate::errors::Diagnostics;
 use crate::{Progress, Registry, RunControl, RunOptions};
 

@@ -6,7 +6,6 @@
 mod arguments;
 mod case;
 mod check;
-mod timing;
 mod convert;
 mod ended;
 mod explain;
@@ -28,6 +27,7 @@ mod streams;
 mod study;
 mod study_axes;
 mod summary;
+mod timing;
 
 use self::arguments::{Arguments, Command, EndsChoice, NormChoice};
 use self::ended::{Exit, plain_failure};

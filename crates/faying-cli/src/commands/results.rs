@@ -1,10 +1,10 @@
 //! The folder of a command that solves something: its files in their order, its manifest, its log.
 
 use super::case::Loaded;
-use super::timing::Clock;
 use super::folder::{Folder, MANIFEST};
 use super::manifest::Manifest;
 use super::run::shown;
+use super::timing::Clock;
 use crate::Progress;
 use crate::errors::{Diagnostic, Diagnostics};
 use std::ffi::OsString;

@@ -2,7 +2,6 @@
 
 use super::arguments::{Common, RunArguments, VtuCells};
 use super::case;
-use super::timing::Clock;
 use super::ended::{Exit, failure, status};
 use super::files::{self, Named};
 use super::folder::Folder;
@@ -10,6 +9,7 @@ use super::history;
 use super::results::Results;
 use super::streams::Streams;
 use super::summary;
+use super::timing::Clock;
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::{Finished, Progress, Registry, RunControl, RunOptions, RunResult, StepOutput};
 use faying_files::pvd;

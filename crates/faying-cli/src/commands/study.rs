@@ -2,13 +2,13 @@
 
 use super::arguments::{Common, StudyCommand};
 use super::case;
-use super::timing::Clock;
 use super::ended::Exit;
 use super::folder::Folder;
 use super::results::Results;
 use super::run::shown;
 use super::streams::Streams;
 use super::study_axes;
+use super::timing::Clock;
 use crate::case::StudyValues;
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::studies::{Base, MOST_ROWS, Method, StoredRows, Study, StudyPlan, html, picture, split};

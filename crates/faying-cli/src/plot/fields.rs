@@ -1,8 +1,8 @@
 //! `fields.svg`: bodies with their curved element edges over a colour field, and a detail view of a small peak.
 
-use super::simplify::{PIECES, Piece, chained, few_lines, joined, straightened};
 use super::frame::{axes, bar, outline};
 use super::sample::{Drawn, boxes, division, divisions, sampled};
+use super::simplify::{PIECES, Piece, chained, few_lines, joined, straightened};
 use super::{GREY, INK, PlotError, Root, document, shortened, stroke, text, units};
 use crate::table::short;
 use faying::geometry::Bounds;

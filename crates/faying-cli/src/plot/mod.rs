@@ -3,12 +3,12 @@
 //! Text uses the viewer's own sans-serif font. Equal input gives equal bytes.
 
 pub mod faces;
-mod simplify;
 mod fields;
 mod frame;
 mod iteration;
 mod sample;
 mod side;
+mod simplify;
 mod solids;
 mod study;
 

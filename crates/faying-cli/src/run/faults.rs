@@ -4,7 +4,7 @@ use super::room::MemoryLimit;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::lower::Places;
-use crate::place::Located;
+use crate::place::{Located, Place};
 use crate::result::{Prediction, RunResult, Status};
 use crate::run_control::Stop;
 use crate::words::{bytes, place, short};
@@ -90,32 +90,10 @@ pub fn step_fault<const S: usize, const N: usize>(
     error: &StepError,
     t: f64,
 ) -> (Status, &'static str, Diagnostic) {
-    // all contacts settle together: the largest limit counts
-    let limits = case.contacts.iter().map(|c| &c.active_set.max_iterations);
-    let limit = limits.rev().max_by_key(|limit| limit.value).map(|limit| limit.at).unwrap_or_default();
-    let at = |d: Diagnostic| d.at(&case.source, limit);
-    if let Some(fault) = factor_fault(case, error) {
+    if let Some(fault) = factor_fault(case, error).or_else(|| unsettled(case, system, error)) {
         return fault;
     }
     match error {
-        StepError::Solve(SolveError::Cycling { first, second, rows, iterations, .. }) => {
-            let text = format!(
-                "contact does not settle: the active set visited the same state twice (iterations {first} and {second}), and single \
-                 exchanges did not end within {iterations} iterations; {}",
-                flipping(system, rows)
-            );
-            let help = "raise active_set.max_iterations, or try another start: \"all\", \"gap\", { seed = 1 }";
-            (Status::NotConverged, "cycling", at(Diagnostic::error("E071", text)).with_help(help))
-        }
-        StepError::Solve(SolveError::TooManyIterations { iterations, .. }) => {
-            let text = format!("contact does not settle within {iterations} iterations of the active set");
-            (Status::NotConverged, "iterations", at(Diagnostic::error("E071", text)).with_help("raise active_set.max_iterations"))
-        }
-        StepError::Solve(SolveError::Multipliers { .. }) => {
-            let key = case.contacts.iter().find_map(|c| c.given.at("tolerance")).unwrap_or(limit);
-            let help = "raise `factor` or `tolerance` of the contact, or write method = \"lagrange\"";
-            (Status::NotConverged, "iterations", Diagnostic::error("E074", error.to_string()).at(&case.source, key).with_help(help))
-        }
         StepError::Solve(SolveError::RigidMotion { iteration, open, .. }) => {
             let bodies: Vec<String> = system.motions_with_open(t, open).into_iter().map(|motion| motion.sentence).collect();
             let who = if bodies.is_empty() { "a body lost its support".to_string() } else { bodies.join("; ") };
@@ -126,17 +104,14 @@ pub fn step_fault<const S: usize, const N: usize>(
                 Diagnostic::error("E072", text).with_help("support the body beside its contacts, or press it on"),
             )
         }
-        StepError::Obstacle { .. } => {
-            let help = "start it near the body (geometry or earlier steps), or prescribe its motion by `move`";
-            (Status::NotConverged, "obstacle", at(Diagnostic::error("E071", error.to_string())).with_help(help))
-        }
         StepError::Infeasible { what } => (
             Status::Singular,
             "infeasible load",
             Diagnostic::error("E072", format!("infeasible load: {what}")).with_help("support the body beside its contacts, or press it on"),
         ),
         StepError::Blocked { contact, slave, of, .. } => {
-            let side = places.said((*contact).into()).and_then(|said| said.slaves.get(*slave).copied()).unwrap_or(limit);
+            let side =
+                places.said((*contact).into()).and_then(|said| said.slaves.get(*slave).copied()).unwrap_or_else(|| largest_limit(case));
             let lines: Vec<String> = of.iter().filter_map(|of| places.at(*of).in_file()).map(|(line, _)| format!("line {line}")).collect();
             let of_lines = if lines.is_empty() { String::new() } else { format!(" ({})", lines.join(", ")) };
             let help = format!("prescribe values{of_lines} that leave no overlap, or let another side be the slave");
@@ -176,6 +151,47 @@ pub fn step_fault<const S: usize, const N: usize>(
         }
         other => (Status::Singular, "singular", Diagnostic::error("E072", other.to_string())),
     }
+}
+
+/// Place of the limit of iterations: all contacts settle together, and the largest counts.
+fn largest_limit(case: &Case) -> Place {
+    let limits = case.contacts.iter().map(|c| &c.active_set.max_iterations);
+    limits.rev().max_by_key(|limit| limit.value).map(|limit| limit.at).unwrap_or_default()
+}
+
+/// Status, reason and diagnostic of an iteration of contacts that does not end.
+fn unsettled<const S: usize, const N: usize>(
+    case: &Case,
+    system: &System<S, N>,
+    error: &StepError,
+) -> Option<(Status, &'static str, Diagnostic)> {
+    let limit = largest_limit(case);
+    let at = |d: Diagnostic| d.at(&case.source, limit);
+    Some(match error {
+        StepError::Solve(SolveError::Cycling { first, second, rows, iterations, .. }) => {
+            let text = format!(
+                "contact does not settle: the active set visited the same state twice (iterations {first} and {second}), and single \
+                 exchanges did not end within {iterations} iterations; {}",
+                flipping(system, rows)
+            );
+            let help = "raise active_set.max_iterations, or try another start: \"all\", \"gap\", { seed = 1 }";
+            (Status::NotConverged, "cycling", at(Diagnostic::error("E071", text)).with_help(help))
+        }
+        StepError::Solve(SolveError::TooManyIterations { iterations, .. }) => {
+            let text = format!("contact does not settle within {iterations} iterations of the active set");
+            (Status::NotConverged, "iterations", at(Diagnostic::error("E071", text)).with_help("raise active_set.max_iterations"))
+        }
+        StepError::Solve(SolveError::Multipliers { .. }) => {
+            let key = case.contacts.iter().find_map(|c| c.given.at("tolerance")).unwrap_or(limit);
+            let help = "raise `factor` or `tolerance` of the contact, or write method = \"lagrange\"";
+            (Status::NotConverged, "iterations", Diagnostic::error("E074", error.to_string()).at(&case.source, key).with_help(help))
+        }
+        StepError::Obstacle { .. } => {
+            let help = "start it near the body (geometry or earlier steps), or prescribe its motion by `move`";
+            (Status::NotConverged, "obstacle", at(Diagnostic::error("E071", error.to_string())).with_help(help))
+        }
+        _ => return None,
+    })
 }
 
 /// Status, reason and diagnostic of a system that the `factor` of an interface or contact spoils.

@@ -1,11 +1,11 @@
 //! A study with all its rows: solved in order, compared, judged.
 
 use super::axes::Axes;
-use super::stored_rows::{self, StoredRows};
 use super::method::Method;
 use super::quantities::{Asked, asked};
 use super::rates;
 use super::rows::{Base, Row, Spec};
+use super::stored_rows::{self, StoredRows};
 use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::named::Named;

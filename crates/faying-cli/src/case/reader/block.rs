@@ -1,8 +1,8 @@
 //! Tables: opening, unknown keys, missing ones, keys without effect, keys of later versions.
 
 use super::Reader;
-use crate::case::key::{Absent, Key, Plain, Special};
-use crate::case::rows::{self, Scene};
+use crate::case::key::{Absent, Key, Plain, Scene, Special};
+use crate::case::rows;
 use crate::case::tree::{Node, Table, Value, parse_value};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};

@@ -1,20 +1,11 @@
 //! Formulas and lists: vectors, components, fields.
 
-use super::{Block, Reader, Sign};
+use super::{Block, Reader, Sign, Uses};
 use crate::case::rows;
 use crate::case::tree::{Node, Value};
 use crate::case::types::{Components, Datum};
 use crate::formula::{Formula, Scope};
 use crate::place::Located;
-
-/// Names that a formula may use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(in crate::case) enum Uses {
-    Space,
-    Gap,
-    Time,
-    Check,
-}
 
 impl Reader {
     pub fn push_formula_error(&mut self, node: &Node, what: &str, e: &crate::formula::FormulaError) {

@@ -6,8 +6,8 @@ mod formulas;
 mod scalars;
 mod sections;
 
+pub(in crate::case) use crate::case::key::Uses;
 pub(in crate::case) use block::Block;
-pub(in crate::case) use formulas::Uses;
 pub(in crate::case) use scalars::Sign;
 
 use crate::case::family::{Family, FromFile};

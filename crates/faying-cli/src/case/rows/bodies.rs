@@ -1,7 +1,7 @@
 //! `[[patch]]`: geometry, elements, functions.
 
+use super::common::{later, other_backend, word};
 use super::model::{BASIS, CELL, CONTINUITY, DEGREE, MAPPING, POINTS};
-use super::{later, other_backend, word};
 use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Special};
 use crate::case::names::EntryFamily;
 use crate::case::tree::Value;

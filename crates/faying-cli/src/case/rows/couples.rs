@@ -1,10 +1,9 @@
 //! `[[interface]]` and `[[contact]]`, with `multiplier` and `active_set`.
 
+use super::common::{later, name, word};
 use super::model::POINTS;
-use super::{Scene, later, name, word};
-use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Special};
+use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Scene, Special, Uses};
 use crate::case::names::EntryFamily;
-use crate::case::reader::Uses;
 use crate::case::tree::Table;
 
 const NOT_GLUED: Only = Only { holds: not_glued, of: "couplings that tie: glued sides share their unknowns", instead: "" };

@@ -1,9 +1,8 @@
 //! `[steps]`, `[solver]`, `[[probe]]`, `[[check]]`, `[study.COMMAND]`.
 
-use super::{later, name, word};
-use crate::case::key::{Key, KeyKind, Only, Plain, Special};
+use super::common::{later, name, word};
+use crate::case::key::{Key, KeyKind, Only, Plain, Special, Uses};
 use crate::case::names::EntryFamily;
-use crate::case::reader::Uses;
 
 pub(in crate::case) const STEPS: &[Key] = &[
     Key::of("t", Special::Numbers, "increasing times").optional("[0.5, 1.0]"),

@@ -1,6 +1,7 @@
 //! The grammar of case files: a row per key, block by block, in the order in which the effective case shows them.
 
 mod bodies;
+mod common;
 mod couples;
 mod demand;
 mod model;
@@ -8,16 +9,16 @@ mod obstacles;
 mod sides;
 
 pub(super) use bodies::{GRADE, PATCH, geometries};
+pub(super) use common::word;
 pub(super) use couples::{ACTIVE_SET, CONTACT, INTERFACE, MULTIPLIER, SEED};
 pub(super) use demand::{CHECK, PROBE, SOLVER, STEPS, STUDIES, STUDY};
 pub(super) use model::{DISCRETIZATION, EXACT, MATERIAL, MODEL};
 pub(super) use obstacles::{CURVE, obstacles};
 pub(super) use sides::BOUNDARY;
 
-use super::key::{Key, KeyKind, Plain, Special};
+use super::key::{Inside, Key, KeyKind, Plain, Special};
 use super::names::Names;
-use super::tree::{Table, Value};
-use crate::place::{Located, Origin};
+use common::later;
 
 /// Top level.
 pub(super) const ROOT: &[Key] = &[
@@ -59,37 +60,13 @@ const fn coordinate(name: &'static str) -> Key {
 /// Words that users may expect in any block and that are not implemented.
 pub(super) const LATER: &[&str] = &["friction", "axisymmetric", "dynamics", "thermal", "plasticity", "adhesion", "damping"];
 
-/// A key that this version does not have, with an example of a value.
-const fn later(name: &'static str, plain: Plain, example: &'static str, help: &'static str) -> Key {
-    Key::of(name, Special::Later(plain, help), "not in this version").optional(example)
-}
-
-/// `name`, made of the block and the position by default.
-const fn name() -> Key {
-    Key::of("name", Special::Name, "name in messages, tables and files; default BLOCK-0, BLOCK-1, ..").optional("\"pad\"")
-}
-
-/// Surroundings of a block that its keys may depend on.
-pub(super) struct Scene<'a> {
-    pub names: &'a Names,
-    /// Whether the physics is Poisson's equation.
-    pub poisson: bool,
-    pub dimension: usize,
-    /// Backend of [discretization].
-    pub backend: Option<&'a Located<String>>,
-}
-
-/// The text of a key of a table.
-pub(super) fn word<'a>(table: &'a Table, key: &str) -> Option<&'a str> {
-    match &table.get(key)?.node.value {
-        Value::Text(word) => Some(word),
-        _ => None,
+/// Keys within the value of a key.
+pub(super) fn inside(key: &Key, names: &Names) -> Inside {
+    match key.special() {
+        Some(Special::Block(keys) | Special::Blocks(keys) | Special::BlockPer(_, keys)) => Inside::Block(names.extended(keys)),
+        Some(Special::Multiplier) => Inside::Block(MULTIPLIER.to_vec()),
+        Some(Special::Geometry) => Inside::Kinds(geometries()),
+        Some(Special::Obstacle) => Inside::Kinds(obstacles(names)),
+        _ => Inside::Nothing,
     }
-}
-
-/// Whether the patch does not take `backend` from the case file: options may change it where keys of the other one stand.
-fn other_backend(table: &Table, scene: &Scene<'_>, backend: &str) -> bool {
-    let own = table.get("backend").map(|e| (word(table, "backend").unwrap_or_default(), e.node.at.origin));
-    let (word, origin) = own.or(scene.backend.map(|b| (b.value.as_str(), b.at.origin))).unwrap_or_default();
-    word != backend || !matches!(origin, Origin::File | Origin::Default)
 }

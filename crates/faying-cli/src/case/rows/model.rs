@@ -1,8 +1,7 @@
 //! `[model]`, `[discretization]`, `[[material]]`.
 
-use super::Scene;
-use super::{later, word};
-use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Special};
+use super::common::{later, word};
+use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Scene, Special};
 use crate::case::names::EntryFamily;
 use crate::case::tree::Table;
 use crate::case::types::{BASES, CELLS, MAPPINGS};

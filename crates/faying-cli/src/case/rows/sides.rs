@@ -1,6 +1,6 @@
 //! `[[boundary]]`.
 
-use super::name;
+use super::common::name;
 use crate::case::key::{Key, KeyKind, Only, Special};
 
 const ELASTIC: Only = Only { holds: |_, s| !s.poisson, of: "elasticity", instead: "use neumann" };
