@@ -249,7 +249,7 @@ fn a_method_with_too_few_compliances_is_an_error_of_the_step() {
 
 #[test]
 fn rows_of_a_method_that_are_no_numbers_are_errors() {
-    for fault in [Faulty::NoOffset, Faulty::NoWeight, Faulty::NoCompliance] {
+    for fault in [Faulty::NoOffset, Faulty::NoCompliance] {
         let error = pressed([Arc::new(Lagrange), Arc::new(fault)]).expect_err("a fault").to_string();
         assert!(error.contains("NaN") || error.contains("not finite"), "{fault:?}: {error}");
     }
