@@ -89,7 +89,7 @@ fn section(root: &mut Table, name: &str, keys: &[Key], axis: Axis, node: &Node, 
 fn list(root: &mut Table, name: &str, keys: &[Key], axis: Axis, node: &Node, patch: Option<&str>, names: &Names) {
     let Some(key) = of_axis(keys, axis) else { return };
     let overrides = ROOT.iter().any(|block| matches!(block.special(), Some(Special::Block(keys)) if of_axis(keys, axis).is_some()));
-    let scene = Scene { names, poisson: false, dimension: 2, backend: None };
+    let scene = Scene { names, poisson: false, dimension: 2, backend: None, any_backend: true };
     let Some(Value::List(blocks)) = root.get_mut(name).map(|e| &mut e.node.value) else { return };
     let tables = blocks.iter_mut().filter_map(|block| match &mut block.value {
         Value::Table(t) => Some(t),

@@ -167,6 +167,8 @@ pub(super) struct Scene<'a> {
     pub dimension: usize,
     /// Backend of [discretization].
     pub backend: Option<&'a Located<String>>,
+    /// Whether patches may hold keys that only other backends have.
+    pub any_backend: bool,
 }
 
 /// An axis of studies: a key that a row of a study sets in every block where it has an effect.

@@ -16,6 +16,8 @@ pub struct ReadOptions {
     pub sets: Vec<String>,
     /// `--backend`: replaces the backend of every patch.
     pub backend: Option<String>,
+    /// Whether patches may hold keys that only other backends have: studies exchange backends.
+    pub any_backend: bool,
     /// Changes by a row of a study, applied after all other options.
     pub changes: Changes,
     /// Known names of backends, couplings, multipliers and constraint solvers.
@@ -73,6 +75,7 @@ impl Case {
             dimension: 2,
             components: 2,
             backend: None,
+            any_backend: options.any_backend,
             broken: BTreeSet::new(),
             density_broken: false,
             folder: options.folder.clone().unwrap_or_default(),

@@ -26,6 +26,16 @@ impl KeyPath {
     }
 }
 
+impl KeyPath {
+    /// Whether these are parts of the path in their order, the last of them the key itself or another name of it.
+    fn is_named(&self, parts: &[&str]) -> bool {
+        let Some((last, before)) = parts.split_last() else { return false };
+        let mut path = self.path.split('.').rev();
+        let own = path.next() == Some(last) || self.key.aliases.contains(last);
+        own && before.iter().rev().all(|part| path.any(|p| p == *part))
+    }
+}
+
 /// All keys of case files with their paths; an alias is no key of its own.
 pub fn keys(names: &Names) -> Vec<KeyPath> {
     fn walk(keys: &[Key], at: &str, names: &Names, all: &mut Vec<KeyPath>) {
@@ -45,21 +55,19 @@ pub fn keys(names: &Names) -> Vec<KeyPath> {
     all
 }
 
-/// The keys that a word names: a path, the end of one, or another name of a key.
+/// The keys that a word names: a path, some parts of one in their order with the last one (`geometry.extrude`), another name of a key, or a
+/// path of `--set`, which names a block (`patch.lower.degree`).
 pub fn find(word: &str, names: &Names) -> Vec<KeyPath> {
     let word = word.trim_matches(['[', ']']);
-    let last = word.rsplit('.').next().unwrap_or_default();
-    let of = |found: &KeyPath| match found.path.rsplit_once('.') {
-        Some((block, _)) => found.key.aliases.iter().any(|alias| format!("{block}.{alias}").ends_with(word) && *alias == last),
-        None => false,
-    };
-    let ends = |path: &str| path == word || path.strip_suffix(word).is_some_and(|head| head.ends_with('.'));
+    let parts: Vec<&str> = word.split('.').collect();
     let all = keys(names);
     let exact: Vec<KeyPath> = all.iter().filter(|found| found.path == word).cloned().collect();
     if !exact.is_empty() {
         return exact;
     }
-    all.into_iter().filter(|found| ends(&found.path) || of(found)).collect()
+    let matching = |parts: &[&str]| -> Vec<KeyPath> { all.iter().filter(|found| found.is_named(parts)).cloned().collect() };
+    let found = matching(&parts);
+    if found.is_empty() && parts.len() > 2 { matching(&[&parts[..1], &parts[2..]].concat()) } else { found }
 }
 
 /// Admissible values of a key, in words.

@@ -38,11 +38,23 @@ pub(super) fn apply(root: &mut Table, option: &str, index: usize) -> Result<(), 
     })
 }
 
+/// All names of a key that has several.
+fn synonyms(key: &str) -> Vec<&'static str> {
+    let blocks = rows::ROOT.iter().filter_map(|row| match row.special() {
+        Some(Special::Blocks(keys) | Special::Block(keys) | Special::BlockPer(_, keys)) => Some(*keys),
+        _ => None,
+    });
+    let rows = blocks.flatten().filter(|row| row.aliases.contains(&key) || row.name == key && !row.aliases.is_empty());
+    rows.flat_map(|row| std::iter::once(row.name).chain(row.aliases.iter().copied())).collect()
+}
+
 type Fault = (&'static str, String, Option<String>);
 
 fn put(table: &mut Table, path: &[&str], value: Node, at: Place) -> Result<(), Fault> {
     let key = path[0];
     if path.len() == 1 {
+        let same = synonyms(key);
+        table.entries.retain(|e| e.key == key || !same.contains(&e.key.as_str()));
         table.set(key, at, value);
         return Ok(());
     }

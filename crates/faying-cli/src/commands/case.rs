@@ -63,6 +63,15 @@ pub fn folder(path: &Path, common: &Common, end: &str) -> PathBuf {
 
 /// Reads the case at `path`, with the names of `registry` and the changes of the options.
 pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Registry) -> Result<Loaded, Exit> {
+    load_as(path, (backend, false), common, registry)
+}
+
+/// Reads the case of a study, whose patches may hold keys that only other backends have.
+pub fn load_for_study(path: &Path, common: &Common, registry: &Registry) -> Result<Loaded, Exit> {
+    load_as(path, (None, true), common, registry)
+}
+
+fn load_as(path: &Path, (backend, any_backend): (Option<&str>, bool), common: &Common, registry: &Registry) -> Result<Loaded, Exit> {
     if let Some(name) = backend {
         known_backend(registry, name, "--backend")?;
     }
@@ -70,6 +79,7 @@ pub fn load(path: &Path, backend: Option<&str>, common: &Common, registry: &Regi
     let options = ReadOptions {
         sets: common.set.clone(),
         backend: backend.map(str::to_owned),
+        any_backend,
         names: registry.case_names(),
         folder,
         memory: crate::run::memory_for_files(common.max_memory),

@@ -51,7 +51,17 @@ fn of_word(word: &str, names: &Names) -> Exit {
         return super::ended::usage(&format!("there is no {what} `{word}`"), Some(&help));
     }
     // one text for keys that say the same in several blocks
-    let mut texts: Vec<String> = keys.iter().map(|found| reference::explained(found, names)).collect();
+    let mut texts: Vec<String> = Vec::new();
+    let mut told: Vec<(String, Vec<&str>)> = Vec::new();
+    for key in &keys {
+        let text = reference::explained(key, names);
+        let text = text.strip_prefix(&key.path).unwrap_or(&text).to_owned();
+        match told.iter_mut().find(|(known, _)| *known == text) {
+            Some((_, paths)) => paths.push(&key.path),
+            None => told.push((text, vec![&key.path])),
+        }
+    }
+    texts.extend(told.iter().map(|(text, paths)| format!("{}{text}", paths.join(", "))));
     texts.extend(found.iter().map(|k| {
         let unit = if k.unit.is_empty() { String::new() } else { format!(" [{}]", k.unit) };
         format!("{}, a quantity{unit}\n    {}\n    example  quantity = \"{}\"\n", k.pattern, k.text, k.example)

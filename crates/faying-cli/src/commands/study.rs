@@ -105,7 +105,7 @@ fn studied<'a>(kind: &StudyKind, make: &MakeMethod<'a>, order: &Order<'_>, clock
     clock.note(&format!("faying {} {}", env!("CARGO_PKG_VERSION"), shown(order.words).join(" ")));
     clock.hear(Progress::Phase("read"));
     let path = case::folder(&arguments.case, common, kind.command);
-    let loaded = case::load(&arguments.case, None, common, order.registry)?;
+    let loaded = case::load_for_study(&arguments.case, common, order.registry)?;
     let values = loaded.case.studies.iter().find(|s| s.value.name == kind.command);
     let axes = study_axes::axes(kind, &arguments.axes, values, &loaded)?;
     let values = values.map(|v| &v.value);

@@ -134,7 +134,10 @@ fn keys_and_quantities_are_explained() {
     for (word, parts) in [
         ("contact.gap", &["contact.gap: formula of the geometric gap", "[length]", "default  \"g\""][..]),
         ("young", &["material.young: Young's modulus", "[force/area]", "only for law \"hooke\" of elasticity"]),
-        ("nonmortar", &["interface.slave: side that carries the multiplier", "contact.slave", "nonmortar, secondary"]),
+        ("nonmortar", &["interface.slave, contact.slave: side that carries the multiplier", "nonmortar, secondary"]),
+        ("patch.lower.degree", &["patch.degree: instead of that of [discretization]"]),
+        ("study.infsup.norm", &["study.norm: norm of multipliers"]),
+        ("geometry.extrude", &["patch.geometry.box.extrude, ", "height along z"]),
         ("contact.multiplier", &["\"p/p-2\"", "default  \"auto\"", "keys     degree, continuity, ends"]),
         ("active_set.start", &["contact.active_set.start: rows that are closed at first", "{ seed = 7 }"]),
         ("contact.rigid.sphere.radius", &["a number above zero", "[length]"]),
@@ -221,4 +224,39 @@ fn effective_cases_and_the_schema_have_every_default() {
         let found = schema.pointer(&format!("/properties/{path}")).unwrap_or_else(|| panic!("{path}"));
         assert_eq!(found["default"], default, "{path}");
     }
+}
+
+#[test]
+fn an_option_replaces_another_name_of_its_key() {
+    let text =
+        sample("seam.toml").replace("slave = \"lower.top\"", "nonmortar = \"lower.top\"").replace("master = \"upper", "mortar = \"upper");
+    let sets = ["interface.seam.slave=upper.bottom", "interface.seam.primary=lower.top"];
+    let effective = with_sets(&text, &sets).effective_toml().to_owned();
+    assert!(effective.contains("slave = \"upper.bottom\"\nmaster = \"lower.top\""), "{effective}");
+}
+
+#[test]
+fn one_mistake_is_one_error() {
+    let solver = |line: &str| {
+        let found = Case::parse("case.toml", &format!("{}[solver]\n{line}\n", sample("seam.toml")), &ReadOptions::default()).unwrap_err();
+        assert_eq!(found.items.len(), 1, "{found}");
+        found.to_string()
+    };
+    let text = solver("linear = \"iterative\"\ntolerance = -1");
+    assert!(text.contains("`tolerance` must be positive"), "{text}");
+    let text = solver("preconditionner = \"auto\"");
+    assert!(text.contains("error[E012]") && text.contains("did you mean `preconditioner`?"), "{text}");
+}
+
+/// Studies exchange backends: keys that only one of them has are taken.
+#[test]
+fn studies_take_keys_of_all_their_backends() {
+    let at = tempfile::tempdir().unwrap();
+    let text = sample("seam.toml").replace("elements = [6, 3]", "elements = [6, 3]\ncells = \"simplex\"");
+    std::fs::write(at.path().join("seam.toml"), text).unwrap();
+    let code =
+        |words: &[&str]| Command::new(env!("CARGO_BIN_EXE_faying")).current_dir(at.path()).args(words).output().unwrap().status.code();
+    assert_eq!(code(&["check", "seam.toml"]), Some(3));
+    assert_eq!(code(&["check", "seam.toml", "--backend", "iga"]), Some(0));
+    assert_eq!(code(&["compare", "seam.toml", "--backends", "iga,fe"]), Some(0));
 }

@@ -43,6 +43,15 @@ impl Block {
         self.keys.iter().find(|k| k.name == key).unwrap_or_else(|| panic!("{} has no key `{key}`", self.what))
     }
 
+    /// The default of a number.
+    pub fn default_number(&self, key: &str) -> f64 {
+        match default_node(self.key(key), self.at).value {
+            Value::Integer(n) => n as f64,
+            Value::Float(v) => v,
+            other => panic!("the default of `{key}` is no number: {other:?}"),
+        }
+    }
+
     /// Writes a value that is not in the file into the tree, from which the effective case is written.
     pub fn default(&mut self, key: &str, value: Value) -> Place {
         let at = Place { origin: Origin::Default, ..self.at };
@@ -84,7 +93,13 @@ fn default_node(key: &Key, at: Place) -> Node {
 
 impl Reader {
     pub fn scene(&self) -> Scene<'_> {
-        Scene { names: &self.known, poisson: self.components == 1, dimension: self.dimension, backend: self.backend.as_ref() }
+        Scene {
+            names: &self.known,
+            poisson: self.components == 1,
+            dimension: self.dimension,
+            backend: self.backend.as_ref(),
+            any_backend: self.any_backend,
+        }
     }
 
     /// Opens a table. Unknown keys are reported with the nearest known one, and read as that one if it is absent, so that a misspelt key is
@@ -214,12 +229,12 @@ impl Reader {
         let place = if what.is_empty() { "at the top level".to_owned() } else { format!("in {what}") };
         let mut d = Diagnostic::error("E012", format!("unknown key `{key}` {place}"));
         let symbol = keys.iter().find(|k| k.symbol == Some(key)).map(|k| k.name);
-        let near = symbol.or_else(|| nearest(key, known.iter().copied())).and_then(|n| known.iter().find(|k| **k == n).copied());
+        let near = symbol.or_else(|| nearest(key, keys.iter().map(|k| k.name)));
         if let Some(near) = near {
             d = d.with_label(format!("did you mean `{near}`?"));
         }
         self.push(at, d.with_help(help));
-        near
+        known.into_iter().find(|k| Some(*k) == near)
     }
 
     pub fn missing(&mut self, block: &Block, key: &str) {

@@ -38,6 +38,8 @@ pub(in crate::case) struct Reader {
     pub components: usize,
     /// Backend of [discretization].
     pub backend: Option<Located<String>>,
+    /// Whether patches may hold keys that only other backends have.
+    pub any_backend: bool,
     /// Keys and lists with errors, such as `exact` or `patch`: references to them are not reported again.
     pub broken: BTreeSet<String>,
     /// Whether a density is given but could not be read.

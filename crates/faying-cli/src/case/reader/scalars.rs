@@ -148,7 +148,9 @@ impl Reader {
     /// A number, with a default.
     pub fn number_or_default(&mut self, block: &mut Block, key: &str) -> Located<f64> {
         let node = self.value_of(block, key);
-        Located::new(self.signed(block, &node, key).unwrap_or(1.0), node.at)
+        let value = self.signed(block, &node, key);
+        // what could not be read is reported, and gives no further error
+        Located::new(value.unwrap_or_else(|| block.default_number(key)), node.at)
     }
 
     pub fn required_number(&mut self, block: &Block, key: &str) -> Located<f64> {

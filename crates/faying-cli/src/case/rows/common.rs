@@ -26,5 +26,5 @@ pub(in crate::case) fn word<'a>(table: &'a Table, key: &str) -> Option<&'a str> 
 pub(super) fn other_backend(table: &Table, scene: &Scene<'_>, backend: &str) -> bool {
     let own = table.get("backend").map(|e| (word(table, "backend").unwrap_or_default(), e.node.at.origin));
     let (word, origin) = own.or(scene.backend.map(|b| (b.value.as_str(), b.at.origin))).unwrap_or_default();
-    word != backend || !matches!(origin, Origin::File | Origin::Default)
+    scene.any_backend || word != backend || !matches!(origin, Origin::File | Origin::Default)
 }
