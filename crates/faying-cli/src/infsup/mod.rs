@@ -54,11 +54,11 @@ pub struct Constant {
 ///
 /// # Example
 /// ```
-/// use faying_cli::{Registry, Watch, infsup::{InfSupOptions, constants}};
+/// use faying_cli::{Registry, RunControl, infsup::{InfSupOptions, constants}};
 /// use faying_cli::Case;
 /// # let text = "schema = 1\n[model]\nphysics = \"poisson\"\ndimension = 2\n[[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [8, 2]\n[[patch]]\nname = \"b\"\ngeometry = { kind = \"box\", min = [0, 1], max = [1, 2] }\nelements = [3, 2]\n[[boundary]]\non = \"all-outer\"\ndirichlet = \"x\"\n[[interface]]\nname = \"middle\"\nslave = \"a.top\"\nmaster = \"b.bottom\"\n";
 /// let case = Case::parse("demo.toml", text, &Default::default())?; // two boxes, 8 quadratic elements on the slave side
-/// let found = constants(&case, &Registry::default(), &InfSupOptions::default(), &Watch::default())?;
+/// let found = constants(&case, &Registry::default(), &InfSupOptions::default(), &RunControl::default())?;
 /// assert!((found[0].found.beta - 0.873201).abs() < 1e-6);
 /// # Ok::<(), faying_cli::Diagnostics>(())
 /// ```
