@@ -274,3 +274,23 @@ fn an_entry_takes_the_place_of_one_of_the_language_with_its_keys() {
         assert!(parts.iter().all(|p| error.contains(p)), "{rule}: {error}");
     }
 }
+
+#[test]
+fn an_obstacle_takes_the_place_of_one_of_the_language_with_its_keys() {
+    let mut registry = registry();
+    let keys = vec![Key::new("depth", KeyKind::Number, "depth of the floor").unit("length")];
+    let make = |given: &Given| {
+        let y = given.number("depth");
+        let floor =
+            faying::contact::HalfPlane::try_new([0.0, y].into(), [0.0, 1.0].into()).ok_or_else(|| Fault::new("E015", "no normal"))?;
+        Ok(Box::new(move |_: f64| -> Box<dyn faying::contact::Obstacle<1, 2>> { Box::new(floor) }) as _)
+    };
+    registry.plane.obstacles.add_keyed("sphere", keys, Box::new(make));
+    let with =
+        |rigid: &str| read(&CASE.replace("kind = \"bar\", from = [0.3, -0.1], to = [0.7, -0.1], move = [0, 0.01]", rigid), &registry);
+    let force = |rigid: &str| with(rigid).unwrap().run(&registry).unwrap().contact.get("bar").unwrap().force.clone();
+    let own = force("kind = \"sphere\", depth = 0.0, move = [0, 0.01]");
+    assert_eq!(own, force("kind = \"half-plane\", point = [0, 0], normal = [0, 1], move = [0, 0.01]"));
+    let error = with("kind = \"sphere\", center = [0, 0], radius = 1").unwrap_err();
+    assert!(error.contains("E013") && error.contains("`depth` is missing"), "{error}");
+}

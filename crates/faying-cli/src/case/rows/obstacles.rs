@@ -77,5 +77,7 @@ pub(in crate::case) fn obstacles(names: &Names) -> Vec<(String, Vec<Key>)> {
     let own = KINDS.iter().map(|(kind, own)| ((*kind).to_owned(), [own, MOTION].concat()));
     let entries = names.obstacles.iter().map(|entry| (entry.name.clone(), [&entry.keys, MOTION].concat()));
     let shapes = GEOMETRIES.iter().chain([&("nurbs", CURVE)]).map(|(kind, own)| ((*kind).to_owned(), [own, PLACING, MOTION].concat()));
-    own.chain(shapes).chain(entries).collect()
+    // an entry takes the place of a kind of the language
+    let is_free = |(kind, _): &(String, Vec<Key>)| names.obstacles.iter().all(|entry| entry.name != *kind);
+    own.chain(shapes).filter(is_free).chain(entries).collect()
 }
