@@ -11,17 +11,17 @@
 //! master-side sums.
 //!
 //! Sign: K u + Cᵀ lambda = f with C u + g >= 0, lambda <= 0; lambda is the normal stress sigma_N \[force/area\].
-//! A function whose support faces nothing has weight zero; its row stays open.
+//! A function whose support faces nothing, ∫ |ψ_j| ds = 0, has a row that stays open.
 
 use super::cone::ConeTransform;
 use super::{ContactKinematics, Obstacle};
 use crate::basis::Basis;
 use crate::constraint::RowKind;
-use crate::coupling::mortar::{multiplier_weights, weighted_sums};
+use crate::coupling::mortar::{multiplier_magnitudes, multiplier_weights, weighted_sums};
 use crate::coupling::{Coupling, CouplingError, Interface, Mortar, Rows, Segments, Side};
 use crate::linalg::{Real, Triplets, Vector, lit, to_f64};
 
-/// Relative weight, against the largest one, below which a function faces nothing.
+/// ∫ |ψ_j|, against the largest one, below which a function faces nothing; the mean of a function against its own, below which it has none.
 const FACES_NOTHING: f64 = 1e-10;
 
 /// Error in setting up a contact.
@@ -31,7 +31,7 @@ pub enum ContactError {
     /// The rows could not be assembled.
     #[error(transparent)]
     Coupling(#[from] CouplingError),
-    /// A multiplier function has a negative mean, so that its sign does not indicate compression.
+    /// A multiplier function has a negative mean or none, so that its sign does not indicate compression.
     #[error("multiplier function {function} has the weight {weight:.3e}; contact needs multipliers with positive means")]
     Weight {
         /// The function.
@@ -194,12 +194,13 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
         let rows = Mortar.assemble(&interface, unknowns)?.constraint;
         let offset = weighted_sums(multiplier, &segments, |q| wanted[q]);
         let weights = multiplier_weights(multiplier, &segments);
-        let largest = weights.iter().fold(T::zero(), |m, w| m.max(w.abs()));
-        let threshold = largest * lit(FACES_NOTHING);
-        if let Some(function) = weights.iter().position(|&w| w < -threshold) {
+        let magnitudes = multiplier_magnitudes(multiplier, &segments);
+        let threshold = magnitudes.iter().fold(T::zero(), |m, &w| m.max(w)) * lit(FACES_NOTHING);
+        let facing: Vec<bool> = magnitudes.iter().map(|&w| w > threshold).collect();
+        // a function that faces the opponent and has no mean is one whose sign says nothing, not one that stays open
+        if let Some(function) = (0..weights.len()).find(|&j| facing[j] && weights[j] <= magnitudes[j] * lit(FACES_NOTHING)) {
             return Err(ContactError::Weight { function, weight: to_f64(weights[function]) });
         }
-        let facing = weights.iter().map(|&w| w > threshold).collect();
         Ok(Self::exact((segments, frames, wanted), RowsAt::Functions, rows, (offset, weights, facing)))
     }
 
@@ -268,6 +269,12 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
                 self.facing.len(),
                 self.compliance.len()
             ));
+        }
+        let numbers = [("offset", &self.offset), ("weight", &self.weights), ("compliance", &self.compliance)];
+        for (name, values) in numbers {
+            if let Some(j) = values.iter().position(|v| !v.is_finite()) {
+                return wrong(format!("the {name} {:?} of row {j}", values[j]));
+            }
         }
         Ok(())
     }

@@ -259,17 +259,26 @@ pub fn multiplier_weights<const S: usize, T: Real>(multiplier: &dyn Basis<S, T>,
     weighted_sums(multiplier, segments, |_| T::one())
 }
 
+/// ∫ |ψ_j| ds over the segments, one per multiplier function.
+pub(crate) fn multiplier_magnitudes<const S: usize, T: Real>(multiplier: &dyn Basis<S, T>, segments: &Segments<S, T>) -> Vec<T> {
+    sums_over(multiplier, segments, |q, value| segments.ds[q] * value.abs())
+}
+
 /// ∫ f ψ_j ds over the segments for values `f(point number)`, one per multiplier function.
 pub fn weighted_sums<const S: usize, T: Real>(multiplier: &dyn Basis<S, T>, segments: &Segments<S, T>, f: impl Fn(usize) -> T) -> Vec<T> {
+    sums_over(multiplier, segments, |q, value| segments.ds[q] * f(q) * value)
+}
+
+/// Sums of `part(point number, ψ_j)` over the points of the segments, one per multiplier function.
+fn sums_over<const S: usize, T: Real>(multiplier: &dyn Basis<S, T>, segments: &Segments<S, T>, part: impl Fn(usize, T) -> T) -> Vec<T> {
     let (mut sums, mut psi, mut ids) = (vec![T::zero(); multiplier.num_functions()], ShapeTable::new(), Vec::new());
     for piece in 0..segments.slave.len() {
         let points = segments.start[piece]..segments.start[piece + 1];
         multiplier.active(segments.slave[piece], &mut ids);
         multiplier.tabulate(segments.slave[piece], &segments.slave_xi[points.clone()], Order::Values, &mut psi);
         for (k, q) in points.enumerate() {
-            let weight = segments.ds[q] * f(q);
             for (&j, &value) in ids.iter().zip(psi.values(k)) {
-                sums[j] += weight * value;
+                sums[j] += part(q, value);
             }
         }
     }

@@ -39,6 +39,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
         let prescribed = self.check_twice(errors);
         self.check_loads_on_supports(&prescribed, errors);
+        self.check_sides_as_one(errors);
         for load in self.said.loads.iter().filter(|l| self.exact.is_none() && matches!(l.action, Action::Exact(_))) {
             errors.push(ProblemError::new(ErrorKind::NoExact, vec![load.of], vec![load.side.label.clone()]));
         }
@@ -143,6 +144,29 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         for spring in self.said.springs.iter().filter(|s| s.stiffness.as_constant().is_some_and(|k| k != 0.0)) {
             let (held, c) = (held_on(&spring.side), spring.component);
             refuse(spring.of, spring.of, component(&held, c).or_else(|| along(&held, &unit(c))), &spring.side.label);
+        }
+    }
+
+    /// Reports forces on sides that move as one where a value is prescribed in a part of them, such as a corner that they share with a support.
+    fn check_sides_as_one(&self, errors: &mut Vec<ProblemError>) {
+        for group in &self.said.rigid_sides {
+            let acts = |action: &Action| matches!(action, Action::Force(_, f, _) if f.as_constant() != Some(0.0));
+            if !self.said.loads.iter().any(|l| l.of == group.of && acts(&l.action)) {
+                continue;
+            }
+            let own: Vec<HashSet<usize>> = group.sides.iter().map(|s| s.trace.dofs.iter().copied().collect()).collect();
+            let moves = |patch: usize, functions: &[usize]| {
+                let shares = |k: &usize| group.sides[*k].patch == patch && functions.iter().any(|f| own[*k].contains(f));
+                (0..own.len()).find(shares).map(|k| &group.sides[k])
+            };
+            let of_sides = self.said.conditions.iter().filter(|c| c.component == group.component);
+            let of_sides = of_sides.filter_map(|c| Some((moves(c.side.patch, &c.side.trace.dofs)?, c.of, &c.side.label)));
+            let of_rims = self.said.pins.iter().filter(|p| p.component == group.component);
+            let of_rims = of_rims.filter_map(|p| Some((moves(p.rim.patch, p.rim.rim.functions())?, p.of, &p.rim.label)));
+            if let Some((side, by, label)) = of_sides.chain(of_rims).find(|found| found.1 != group.of) {
+                let names = vec![side.label.clone(), label.clone()];
+                errors.push(ProblemError::new(ErrorKind::HeldAsOne { component: group.component }, vec![by, group.of], names));
+            }
         }
     }
 

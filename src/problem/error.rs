@@ -115,6 +115,11 @@ pub enum ErrorKind {
     },
     /// A load or springs along directions that are held wherever they act, such as the normal of a side that slides.
     HeldAlong,
+    /// A force on sides that move as one in a component which is prescribed in a part of them: it would act on that support alone.
+    HeldAsOne {
+        /// The component.
+        component: usize,
+    },
     /// Values of an exact solution, in a problem without one.
     NoExact,
     /// A source or a weight beside an exact solution, which has its own.
@@ -241,6 +246,9 @@ impl Display for ProblemError {
                 write!(f, "component {component} of `{one}` is loaded, and prescribed wherever the load acts")
             }
             ErrorKind::HeldAlong => write!(f, "the load on `{one}` acts along directions that are held wherever it acts"),
+            ErrorKind::HeldAsOne { component } => {
+                write!(f, "`{one}` moves as one in component {component}, which `{other}` prescribes in a part of it: its force has no effect")
+            }
             ErrorKind::NoExact => write!(f, "\"{one}\" takes the values of an exact solution, and the problem has none"),
             ErrorKind::SourceTwice => write!(f, "body \"{one}\" has a source; the exact solution has its own"),
             ErrorKind::NotFinite { x, t, value, .. } => write!(f, "\"{one}\" on `{other}`: {value} at {x:?}, t = {t}"),

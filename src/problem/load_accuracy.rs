@@ -303,11 +303,9 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let of = || Integral::Prescribed { of: condition.of, side: side.label.clone(), component };
         worst_by_elements(looked_at(times, changes), of, |t| {
             let value = |x: &Vector<N>| self.value_at(&condition.value, component, x, t);
+            let found = by_elements(&*side.trace.space, &side.rules, &value);
             // bounded data that are coarse converge with the solution
-            if is_bounded(&*side.trace.space, &side.rules, &value) {
-                return ([0.0; 2], 0.0);
-            }
-            by_elements(&*side.trace.space, &side.rules, &value)
+            if found.1 > ACCEPTED && is_bounded(&*side.trace.space, &side.rules, &value) { ([0.0; 2], 0.0) } else { found }
         })
     }
 }

@@ -45,7 +45,8 @@ impl Default for Augmented {
 
 impl<const S: usize, const N: usize> ContactMethod<S, N> for Augmented {
     fn check(&self) -> Result<(), MethodError> {
-        positive(self.factor)
+        positive(self.factor)?;
+        if self.tolerance > 0.0 && self.tolerance < 1.0 { Ok(()) } else { Err(MethodError::Tolerance(self.tolerance)) }
     }
 
     fn begin(&self, rows: &ContactRows<S, N>, unit: &dyn Fn(usize) -> f64) -> Begun {

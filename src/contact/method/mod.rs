@@ -153,6 +153,9 @@ pub enum MethodError {
     /// The factor of a penalty.
     #[error("the factor of a penalty must be positive, found {0}")]
     Factor(f64),
+    /// The tolerance of an iteration.
+    #[error("the tolerance of a method is relative and must be between 0 and 1, found {0}")]
+    Tolerance(f64),
     /// A number of a method that is a coupling as well.
     #[error(transparent)]
     Coupling(#[from] CouplingError),

@@ -93,9 +93,14 @@ impl Display for Warning {
                 let (apart, moment) = (digits(*apart), digits(*moment));
                 write!(f, "{of} loses the moment {moment}, {}: its sides are up to {apart} apart", percent(*share))
             }
-            Self::SoftPenalty { of, apart, size } => {
+            Self::SoftPenalty { of, apart, size, moved } => {
                 let word = if of.kind == SubjectKind::Contact { "deep in each other" } else { "apart in the mean" };
-                write!(f, "the penalty of {of} is soft: bodies are {} {word}, of a size of {}", digits(*apart), digits(*size))
+                let [apart, size, moved] = [apart, size, moved].map(|x| digits(*x));
+                write!(f, "the penalty of {of} is soft: bodies are {apart} {word}, of a size of {size} and displacements up to {moved}")
+            }
+            Self::GapPressure { of, pressure, stress, x } => {
+                let [pressure, stress] = [pressure, stress].map(|v| digits(*v));
+                write!(f, "pressures of {of} at points are those of gaps: {pressure} at {}, where the stress of the bodies is {stress}", place(x))
             }
             Self::Kinematics { of, strain, rotation, allowed } => {
                 write!(f, "{of} deforms too far for small kinematics")?;

@@ -17,6 +17,7 @@
 //! | `coarse_zone` | forces and extents of zones that few functions of the slave carry |
 //! | `lost_moment` | moments that ties across a gap lose |
 //! | `soft_penalty` | places of bodies that a soft penalty lets sink into each other |
+//! | `gap_pressure` | pressures at points that come from gaps and not from the stress of the bodies |
 //! | `kinematics` | all, where bodies deform too far for small kinematics |
 //!
 //! Loads, springs, prescribed values and moduli that jump inside of elements or have no bound are found by [`Model::inexact_integrals`].
@@ -26,6 +27,7 @@ mod corner_values;
 mod display;
 mod facets;
 mod flux_jumps;
+mod gap_pressure;
 mod hardly_held;
 mod integration;
 mod kinematics;
@@ -78,6 +80,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(coarse_zone::coarse_zones(self, state));
         found.extend(lost_moment::lost_moments(self, state));
         found.extend(soft_penalty::soft_penalties(self, state));
+        found.extend(gap_pressure::gap_pressures(self, state));
         found.extend(kinematics::kinematics(self, state));
         found
     }

@@ -210,7 +210,7 @@ pub enum Warning {
         share: f64,
     },
     /// A penalty that lets bodies of a contact sink into each other, or sides of a tie come apart in the mean, by more than 1e-2 of the
-    /// smaller body's size.
+    /// smaller body's size, or 0.1 of the largest displacement of these bodies.
     SoftPenalty {
         /// The tie or contact.
         of: Subject,
@@ -218,6 +218,19 @@ pub enum Warning {
         apart: f64,
         /// Size of the smaller body \[length\].
         size: f64,
+        /// The largest component of the displacement of these bodies \[length\].
+        moved: f64,
+    },
+    /// Pressures of a contact at points, lambda = sigma + γ g, of which γ g is more than 0.25 of the largest: the bodies' stress says otherwise.
+    GapPressure {
+        /// The contact.
+        of: Subject,
+        /// The pressure where both differ most \[force/area\].
+        pressure: f64,
+        /// The normal stress of the bodies there, positive for compression \[force/area\].
+        stress: f64,
+        /// The point.
+        x: Vec<f64>,
     },
     /// Strains or rotations beyond 0.1 in more than 1e-2 of a body: small kinematics do not hold.
     Kinematics {
@@ -250,6 +263,7 @@ impl Warning {
             | Self::CoarseZone { of, .. }
             | Self::LostMoment { of, .. }
             | Self::SoftPenalty { of, .. }
+            | Self::GapPressure { of, .. }
             | Self::Kinematics { of, .. } => Some(of),
             Self::CornerValues { .. } | Self::FacetsApart(_) | Self::Inexact(_) => None,
         }

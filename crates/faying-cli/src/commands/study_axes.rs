@@ -90,8 +90,8 @@ pub fn axes(kind: &StudyKind, options: &StudyArguments, table: Option<&Located<S
     }
     let levels = options.levels.map(usize::from).or(values.levels).unwrap_or(kind.levels);
     let sides = !(pairings.list.is_empty() && integrations.list.is_empty() && extra_points.is_empty());
-    r.interface(sides || kind.needs_interface)?;
     let couples_vary = vary.iter().any(|v| v.key.ends_with(".coupling") || v.key.ends_with(".method"));
+    r.interface(sides || kind.needs_interface, couples_vary)?;
     r.multiplier(!pairings.list.is_empty() && !couples_vary)?;
     Ok(Axes {
         backends: backends.list,
@@ -176,16 +176,17 @@ impl Reader<'_> {
         }
     }
 
-    /// E063 if the axes need an interface and the case has neither an interface nor a contact.
-    fn interface(&self, needed: bool) -> Result<(), Exit> {
+    /// E063 if the axes need an interface and the case has neither one that is integrated over, nor a contact.
+    fn interface(&self, needed: bool, couples_vary: bool) -> Result<(), Exit> {
         let case = &self.loaded.case;
-        let missing = needed && case.interfaces.is_empty() && case.contacts.is_empty();
-        if !missing {
+        // sides that share their functions have no integrals
+        let is_integrated = case.interfaces.iter().any(|t| couples_vary || t.coupling.value != "glue") || !case.contacts.is_empty();
+        if !needed || is_integrated {
             return Ok(());
         }
         let what = if self.kind.needs_interface { self.kind.command } else { "a study of multipliers and integration" };
-        let fault = Diagnostic::error("E063", format!("{what} needs an interface or a contact, and the case has none"));
-        Err(fault.with_help("add [[interface]] with slave and master").in_file(&self.loaded.name).into())
+        let fault = Diagnostic::error("E063", format!("{what} needs an interface or a contact, and the case has {}", if case.interfaces.is_empty() { "none" } else { "only glued sides" }));
+        Err(fault.with_help("add [[interface]] with slave and master; glued sides are not integrated over").in_file(&self.loaded.name).into())
     }
 
     /// E063 if the axes need a multiplier and no interface or contact of the case has one.

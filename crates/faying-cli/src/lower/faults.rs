@@ -120,6 +120,13 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
             let text = format!("what acts on `{}` acts along directions that are held{line} wherever it acts", error.names()[0]);
             builder.error("E052", text, at).with_help("load directions that are free, or another side: supports alone would carry this")
         }
+        ErrorKind::HeldAsOne { component } => {
+            let name = component_name(*component, components);
+            let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" (line {line})"));
+            let [own, other] = [0, 1].map(|k| error.names().get(k).map_or("?", String::as_str));
+            let text = format!("`{own}` moves as one along {name}, which `{other}`{line} prescribes in a part of it: the force has no effect");
+            builder.error("E052", text, at).with_help("prescribe the component of the side itself, or leave it free where both sides meet")
+        }
         ErrorKind::Contradiction { defect, t, changes } => {
             let line = |k: usize| said(k).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" (line {line})"));
             let others: Vec<String> = error.names().iter().skip(1).enumerate().map(|(k, name)| format!("`{name}`{}", line(k))).collect();

@@ -10,7 +10,7 @@ use crate::errors::Diagnostic;
 use crate::formula::Point;
 use crate::place::Place;
 use crate::words::{component_name, labels, place, short, time_text};
-use faying::contact::ContactError;
+use faying::contact::{ContactError, MethodError};
 use faying::coupling::CouplingError;
 use faying::coupling::multiplier::MultiplierError;
 use faying::problem::{InterfaceError, InterfaceId, Problem, SideView, Statement};
@@ -127,7 +127,8 @@ fn fault<const S: usize, const N: usize>(
     let name = &contact.name.value;
     Box::new(match error {
         InterfaceError::Method(e) => {
-            builder.error("E015", format!("contact \"{name}\": {e}"), contact.given.at("factor").unwrap_or(contact.method.at))
+            let key = if matches!(e, MethodError::Tolerance(_)) { "tolerance" } else { "factor" };
+            builder.error("E015", format!("contact \"{name}\": {e}"), contact.given.at(key).unwrap_or(contact.method.at))
         }
         InterfaceError::Refused { .. } => {
             let text = format!("method = {:?} against an obstacle that a `force` presses is not in this version", contact.method.value);

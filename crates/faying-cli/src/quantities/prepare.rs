@@ -273,6 +273,13 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             let fault = Diagnostic::error("E062", format!("`{text}` needs `exact` {place}, or `reference` in [model]"));
             return Err(Box::new(fault.at(&self.case.source, at).with_help(help)));
         }
+        if let ["error", name @ .., "lambda", "L2"] | ["error", name @ .., "lambda", "L2", "rel"] = &path.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+            let named = name.join(".");
+            if let Some(glued) = self.case.interfaces.iter().find(|t| t.coupling.value == "glue" && (name.is_empty() || t.name.value == named)) {
+                let text = format!("`{text}`: interface \"{}\" is glued and has no multiplier", glued.name.value);
+                return Err(Box::new(self.fault("E018", text, at).with_help("write coupling = \"mortar\" there")));
+            }
+        }
         let fields = self.fields().join(", ");
         let fault = self.suggest(*self.fault("E018", format!("unknown quantity `{text}`"), at), text);
         let heads: Vec<&str> = ["energy", "unknowns", "error", "reaction", "area", "length", "interface", "contact", "balance"].to_vec();
@@ -280,9 +287,11 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     }
 
     fn fields(&self) -> &'static [&'static str] {
-        match self.contents.components() {
-            1 => &["u", "flux.x", "flux.y"],
-            _ => &["u.x", "u.y", "stress.xx", "stress.yy", "stress.xy", "von_mises"],
+        match (self.contents.components(), N) {
+            (1, 2) => &["u", "flux.x", "flux.y"],
+            (1, _) => &["u", "flux.x", "flux.y", "flux.z"],
+            (_, 2) => &["u.x", "u.y", "stress.xx", "stress.yy", "stress.xy", "von_mises"],
+            _ => &["u.x", "u.y", "u.z", "stress.xx", "stress.yy", "stress.zz", "stress.xy", "stress.yz", "stress.xz", "von_mises"],
         }
     }
 

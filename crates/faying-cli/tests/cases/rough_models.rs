@@ -120,6 +120,95 @@ fn penalties_that_let_bodies_sink_are_told_with_the_depth() {
     }
 }
 
+/// Blocks pushed together by less than a hundredth of their size, through a penalty that yields nearly all of it.
+#[test]
+fn penalties_that_take_most_of_a_small_displacement_are_told() {
+    for (size, young) in [(1.0, 1e3), (1e-3, 210e9)] {
+        let joints = [
+            ("contact", "method = \"penalty\"", "method = \"augmented\""),
+            ("interface", "coupling = \"penalty\"", "coupling = \"mortar\""),
+        ];
+        for (joint, soft, sound) in joints {
+            let pushed = |method: &str| {
+                let text = elastic(young)
+                    + &block("a", [0.0, 0.0], [size, size], [4, 4], "")
+                    + &block("b", [0.0, size], [size, 2.0 * size], [4, 4], "")
+                    + &on("\"a.bottom\"", "fix = [\"x\", \"y\"]")
+                    + &on("\"b.top\"", &format!("dirichlet = {{ x = 0, y = {:e} }}", -1e-4 * size))
+                    + &format!("[[{joint}]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n{method}\n");
+                run(&text)
+            };
+            let force = |r: &RunResult| r.reactions.get("a.bottom").unwrap()[1];
+            let (yields, stiff) = (pushed(&format!("{soft}\nfactor = 1e-3")), pushed(sound));
+            assert!(force(&yields) < 0.2 * force(&stiff), "{} {}", force(&yields), force(&stiff));
+            let words = [&*format!("penalty of {joint} \"c\""), "of their largest displacement"];
+            assert!(told(&yields, &words).is_some(), "{:?}", yields.warnings);
+            for fine in [stiff, pushed(soft)] {
+                assert!(told(&fine, &["penalty"]).is_none(), "{:?}", fine.warnings);
+            }
+        }
+    }
+}
+
+/// Rings pressed into one another by Nitsche's method: curved elements that leave their circle by 1e-5 of the radius have pressures at points
+/// that are several times too large, while the force is right.
+#[test]
+fn pressures_at_points_that_are_not_the_stress_are_told() {
+    for (size, modulus) in [(1.0, 1.0), (1e-2, 1e9)] {
+        let pressed = |outer: &str, method: &str| {
+            let ring = |name: &str, radius: [f64; 2], young: f64, rest: &str| {
+                format!(
+                    "[[material]]\nname = \"m{name}\"\nyoung = {:e}\npoisson = 0.3\n[[patch]]\nname = \"{name}\"\nmaterial = \"m{name}\"\n\
+                     geometry = {{ kind = \"annulus-sector\", center = [0, 0], radius = [{:e}, {:e}], angle_deg = [0, 90] }}\n\
+                     elements = [6, 3]\ndegree = 3\n{rest}\n",
+                    young * modulus,
+                    radius[0] * size,
+                    radius[1] * size
+                )
+            };
+            let text = String::from("[model]\nphysics = \"elasticity\"\ndimension = 2\n")
+                + &ring("a", [1.0, 1.4], 0.3, "")
+                + &ring("b", [1.399, 1.9], 0.2, outer)
+                + &on("[\"a.u0\", \"a.u1\", \"b.u0\", \"b.u1\"]", "fix = [\"normal\"]")
+                + &format!("[[contact]]\nname = \"c\"\nslave = \"a.v1\"\nmaster = \"b.v0\"\nmethod = \"{method}\"\n");
+            run(&text)
+        };
+        let words = ["the pressure of contact \"c\" at points is not the stress of its bodies"];
+        let range = |r: &RunResult| r.contact.get("c").map(|c| (c.pressure.min / modulus, c.pressure.max / modulus)).unwrap();
+        let (right, wrong) = (pressed("mapping = \"exact\"\nbackend = \"fe\"", "nitsche"), pressed("backend = \"fe\"", "nitsche"));
+        let ((least, most), (_, too_much)) = (range(&right), range(&wrong));
+        assert!(most < 1.05 * least && too_much > 1.3 * most, "{least} {most} {too_much}");
+        assert!(told(&right, &words).is_none(), "{:?}", right.warnings);
+        assert!(told(&wrong, &words).is_some(), "{:?}", wrong.warnings);
+        assert!(told(&pressed("backend = \"fe\"", "lagrange"), &words).is_none());
+    }
+}
+
+/// Factors so large that rounding of the gap times the factor is the pressure.
+#[test]
+fn factors_of_nitsches_method_that_turn_rounding_into_pressure_are_told() {
+    let pressed = |factor: f64| {
+        let text = elastic(1e3)
+            + &block("a", [0.0, 0.0], [1.0, 1.0], [4, 4], "")
+            + &block("b", [0.0, 1.0], [1.0, 2.0], [3, 3], "")
+            + &on("\"a.bottom\"", "fix = [\"x\", \"y\"]")
+            + &on("\"b.top\"", "dirichlet = { x = 0, y = -1e-3 }")
+            + &format!("[[contact]]\nname = \"c\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\nmethod = \"nitsche\"\nfactor = {factor:e}\n");
+        let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap();
+        case.run(&Registry::default()).unwrap()
+    };
+    let right = pressed(100.0);
+    let force = |r: &RunResult| r.contact.get("c").unwrap().force[1];
+    let most = |r: &RunResult| r.contact.get("c").unwrap().pressure.max;
+    for factor in [1e6, 1e9, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e18] {
+        let found = pressed(factor);
+        let is_right = found.status == Status::Ok
+            && (force(&found) / force(&right) - 1.0).abs() < 0.05
+            && most(&found) < 3.0 * most(&right);
+        assert!(is_right || found.status != Status::Ok || !found.warnings.is_empty(), "{factor:e}: {} {}", force(&found), most(&found));
+    }
+}
+
 /// A cantilever: small strains and large rotations; a block in tension: large strains.
 #[test]
 fn strains_and_rotations_beyond_small_kinematics_are_told() {

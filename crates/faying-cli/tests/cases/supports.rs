@@ -96,13 +96,19 @@ fn sides_that_slide_or_move_as_one_agree_with_what_is_prescribed_beside_them() {
                 }
             }
             // a side that moves as one between two others
-            let held = |left: f64, right: f64| {
+            let held = |left: f64, right: f64, force: f64| {
                 let [left, right] = [left, right].map(|v| format!("dirichlet = {{ y = {:e} }}", v * u));
-                let sides = [("bottom", "fix = [\"x\"]"), ("left", &left), ("right", &right), ("top", "rigid_force = { y = 1e-3 }")];
+                let top = format!("rigid_force = {{ y = {force} }}");
+                let sides = [("bottom", "fix = [\"x\"]"), ("left", &left), ("right", &right), ("top", &top)];
                 square(backend, size, 0.0, &sides)
             };
-            solved(&held(1.0, 1.0));
-            let text = held(1.0, 0.9);
+            solved(&held(1.0, 1.0, 0.0));
+            // a force would act on these supports alone
+            let text = held(1.0, 1.0, 1e-3);
+            let found = refused(&text);
+            assert_eq!((found.len(), found[0].code, found[0].line), (1, "E052", line_of(&text, "rigid_force")), "{found:?}");
+            assert!(found[0].message.contains("`b.left` (line 19) prescribes in a part of it"), "{found:?}");
+            let text = held(1.0, 0.9, 0.0);
             let found = refused(&text);
             assert_eq!((found.len(), found[0].code, found[0].line), (1, "E052", line_of(&text, "rigid_force")), "{found:?}");
             assert!(found[0].message.contains("`b.left` (line 19) and `b.right` (line 22)"), "{found:?}");

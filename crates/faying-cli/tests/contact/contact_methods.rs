@@ -552,6 +552,8 @@ fn keys_that_do_not_go_with_a_method_are_named_where_they_stand() {
         ("penalty", "tolerance = 1e-9", "`tolerance` is not a key of method = \"penalty\""),
         ("penalty", "variant = \"incomplete\"", "`variant` is not a key of method = \"penalty\""),
         ("penalty", "factor = -1", "must be"),
+        ("augmented", "tolerance = 1.0", "must be between 0 and 1, found 1"),
+        ("augmented", "tolerance = 1e30", "must be between 0 and 1"),
         ("lagrange", "factor = 10", "`factor` is not a key of method = \"lagrange\""),
     ] {
         let found = faults(&case(method, key), &[]);

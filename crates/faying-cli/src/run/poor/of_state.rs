@@ -82,21 +82,33 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             ),
             "move the bodies together, or fill the gap with a body",
         ),
-        Warning::SoftPenalty { apart, size, .. } => {
-            let [depth, share, size] = [short(*apart), percent(apart / size), short(*size)];
+        Warning::SoftPenalty { apart, size, moved, .. } => {
+            // a hundredth of the size and a tenth of the displacement are told: of both the one that is passed by more
+            let (of_what, whole) = if 10.0 * moved >= *size { ("their size", size) } else { ("their largest displacement", moved) };
+            let [depth, share, whole] = [short(*apart), percent(apart / whole), short(*whole)];
             let (text, help) = if of.kind == SubjectKind::Contact {
                 let text = format!(
-                    "the penalty of contact \"{name}\" is soft: bodies sink into each other by {depth}, {share} % of their size {size}"
+                    "the penalty of contact \"{name}\" is soft: bodies sink into each other by {depth}, {share} % of {of_what}, {whole}"
                 );
                 (text, "raise `factor`, or write method = \"lagrange\" or \"augmented\"")
             } else {
                 let text = format!(
-                    "the penalty of interface \"{name}\" is soft: its sides come apart by {depth} in the mean, {share} % of the size {size} of a body"
+                    "the penalty of interface \"{name}\" is soft: its sides come apart by {depth} in the mean, {share} % of {of_what}, {whole}"
                 );
                 (text, "raise `factor`, or write coupling = \"mortar\"")
             };
             (text, help)
         }
+        Warning::GapPressure { pressure, stress, x, .. } => (
+            format!(
+                "the pressure of contact \"{name}\" at points is not the stress of its bodies: {} at ({}), where the stress is {}; its force is a \
+                 mean and less affected",
+                short(*pressure),
+                x.iter().map(|v| short(*v)).collect::<Vec<_>>().join(", "),
+                short(*stress)
+            ),
+            "write method = \"lagrange\"; or mapping = \"exact\" or smaller elements where sides are curved, or a smaller `factor`",
+        ),
         _ => return None,
     })
 }
