@@ -22,6 +22,9 @@ const LINES: usize = 40;
 const SLIDES: usize = 200;
 /// Steps that leave a zero.
 const LEAVING: usize = 16;
+/// The first step that leaves a zero at the origin [length], and the growth of the next ones there.
+const SMALLEST: f64 = 1e-30;
+const GROWTH: f64 = 64.0;
 /// Times that a step is shortened.
 const SHORTER: usize = 40;
 /// Tangential part of x - y, as a share of |x - y|, that ends the search.
@@ -114,18 +117,20 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
     }
 
     /// Whether f is positive on one side of a zero and negative on the other: it is climbed and descended from there in steps along its
-    /// gradient, the first one along `normal`; they grow where f is still zero, which may be rounding.
+    /// gradient, the first one along `normal`; they grow where f has not that sign yet, which may be rounding.
     fn separates(&self, zero: &Vector<N, T>, normal: &Vector<N, T>) -> bool {
-        let length = if zero.amax() > T::zero() { zero.amax() } else { T::one() };
+        // at the origin nothing tells the size of rounding
+        let (first, growth) = match zero.amax() {
+            length if length > T::zero() => (T::default_epsilon().sqrt() * length, lit(2.0)),
+            _ => (lit(SMALLEST), lit(GROWTH)),
+        };
         [T::one(), -T::one()].into_iter().all(|sign| {
-            let (mut x, mut along, mut step) = (*zero, *normal, T::default_epsilon().sqrt() * length);
+            let (mut x, mut along, mut step) = (*zero, *normal, first);
             (0..LEAVING).any(|_| {
                 x += along * (step * sign);
                 let Some((value, gradient)) = self.at(&x) else { return false };
                 along = unit(gradient).unwrap_or(along);
-                if value == T::zero() {
-                    step *= lit(2.0);
-                }
+                step *= growth;
                 value * sign > T::zero()
             })
         })

@@ -11,6 +11,8 @@ const BRACKETING: usize = 100;
 const NEWTON: usize = 8;
 /// Steps between the bounds of a zero; bisection alone needs 53 for double precision.
 const NARROWING: usize = 400;
+/// Doublings of a step that leaves a place where f is zero.
+const LEAVING: usize = 16;
 /// Share of the bounds' distance below which a step of Newton's method is short.
 const CLOSE: f64 = 1e-3;
 
@@ -65,8 +67,16 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>)> Line<'_
             let (next, gradient) = (self.function)(&self.at(s));
             let slope = gradient.dot(self.along);
             let crosses = || {
-                // what is zero from there on, by underflow, has no zero
-                self.is_crossed(if next == T::zero() { (self.function)(&self.at(s + step * lit(CLOSE))).0 } else { next })
+                // f may vanish over some length by rounding; what is zero from there on, by underflow, has no zero
+                let (mut beyond, mut aside) = (next, step * lit(CLOSE));
+                for _ in 0..LEAVING {
+                    if beyond != T::zero() {
+                        break;
+                    }
+                    beyond = (self.function)(&self.at(s + aside)).0;
+                    aside *= lit(2.0);
+                }
+                self.is_crossed(beyond)
             };
             let same = next == T::zero() || (next > T::zero()) == (value > T::zero());
             if !next.is_finite() || same && self.leads_away(slope) {

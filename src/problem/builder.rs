@@ -6,7 +6,7 @@ use super::data::Exact;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::facets_apart::FacetsApart;
 use super::fixed::Eliminated;
-use super::handles::{Sides, Statement};
+use super::handles::{BodyId, Sides, Statement};
 use super::identity::Identity;
 use super::model::{BodyModel, BodySide, Model, RigidSides};
 use super::regions::Regions;
@@ -105,9 +105,24 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         self.bodies.first().map_or(0, |b| b.field.components)
     }
 
-    /// Sets the exact solution: its source loads all bodies, which have none of their own then.
+    /// Sets the exact solution in all bodies that have none of their own: its source loads them, and they have none of their own then.
     pub fn exact(&mut self, exact: impl Exact + 'static) {
         self.exact = Some(Arc::new(exact));
+    }
+
+    /// Sets the exact solution in a body. Where one body has one, all must have one; solutions may jump between bodies.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherProblem`].
+    pub fn exact_in(&mut self, body: BodyId, exact: impl Exact + 'static) -> Result<(), ProblemError> {
+        let number = self.number(body)?;
+        self.bodies[number].exact = Some(Arc::new(exact));
+        Ok(())
+    }
+
+    /// The exact solution in a body.
+    pub(super) fn exact_of<'a>(&'a self, body: &'a BodyModel<S, N>) -> Option<&'a Arc<dyn Exact>> {
+        body.exact.as_ref().or(self.exact.as_ref())
     }
 
     /// Sets the times at which the problem will be solved; by default t = 1 alone. Prescribed values, materials and loads, and what moving
@@ -186,17 +201,19 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             return Err(ProblemErrors(errors));
         }
         let mut bodies = self.bodies.clone();
-        for body in bodies.iter_mut().filter(|b| b.changing.is_some()) {
-            body.physics = body.physics_at(self.times[0]);
+        for body in &mut bodies {
+            if body.changing.is_some() {
+                body.physics = body.physics_at(self.times[0]);
+            }
+            body.exact = self.exact_of(body).cloned();
         }
         let mut model = Model::new(bodies, glued, hinges);
         model.unknowns += pressed;
-        model.exact.clone_from(&self.exact);
         model.findings.clone_from(&self.findings);
-        let Said { conditions, pins, supports, equations, held, rigid_sides, loads, springs } = self.said.clone();
+        let Said { conditions, pins, supports, equations, held, rigid_sides, loads, point_loads, springs } = self.said.clone();
         (model.conditions, model.pins, model.supports) = (conditions, pins, supports);
         (model.equations, model.held, model.rigid_sides) = (equations, held, rigid_sides);
-        (model.loads, model.springs) = (loads, springs);
+        (model.loads, model.point_loads, model.springs) = (loads, point_loads, springs);
         (model.c, model.max_iterations) = self.active_set;
         model.find_corners();
         Ok(model)

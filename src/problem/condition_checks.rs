@@ -31,19 +31,26 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// Components that are prescribed twice, loads that act on what is held, values of an exact solution that is not there, and sources
     /// beside one.
     pub(super) fn check_conditions(&self, errors: &mut Vec<ProblemError>) {
-        let of_sides = self.said.conditions.iter().map(|c| (c.of, &c.side.label, &c.value));
-        for (of, label, value) in of_sides.chain(self.said.pins.iter().map(|p| (p.of, &p.rim.label, &p.value))) {
-            if let (Value::Exact, None) = (value, &self.exact) {
+        let exact = |patch: usize| self.exact_of(&self.bodies[patch]);
+        let of_sides = self.said.conditions.iter().map(|c| (c.of, &c.side.label, &c.value, c.side.patch));
+        for (of, label, value, patch) in of_sides.chain(self.said.pins.iter().map(|p| (p.of, &p.rim.label, &p.value, p.rim.patch))) {
+            if let (Value::Exact, None) = (value, exact(patch)) {
                 errors.push(ProblemError::new(ErrorKind::NoExact, vec![of], vec![label.clone()]));
             }
         }
         let prescribed = self.check_twice(errors);
         self.check_loads_on_supports(&prescribed, errors);
         self.check_sides_as_one(errors);
-        for load in self.said.loads.iter().filter(|l| self.exact.is_none() && matches!(l.action, Action::Exact(_))) {
+        self.check_loads_on_points(errors);
+        for load in self.said.loads.iter().filter(|l| exact(l.side.patch).is_none() && matches!(l.action, Action::Exact(_))) {
             errors.push(ProblemError::new(ErrorKind::NoExact, vec![load.of], vec![load.side.label.clone()]));
         }
-        for body in self.bodies.iter().filter(|b| self.exact.is_some() && !(b.source.is_empty() && b.weights.is_empty())) {
+        let (known, unknown): (Vec<_>, Vec<_>) = self.bodies.iter().partition(|b| self.exact_of(b).is_some());
+        if let (Some(known), Some(unknown)) = (known.first(), unknown.first()) {
+            let names = vec![known.name.clone(), unknown.name.clone()];
+            errors.push(ProblemError::new(ErrorKind::ExactInPart, vec![known.id.into(), unknown.id.into()], names));
+        }
+        for body in self.bodies.iter().filter(|b| self.exact_of(b).is_some() && !(b.source.is_empty() && b.weights.is_empty())) {
             errors.push(ProblemError::new(ErrorKind::SourceTwice, vec![body.id.into()], vec![body.name.clone()]));
         }
     }
@@ -162,10 +169,27 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             let of_sides = self.said.conditions.iter().filter(|c| c.component == group.component);
             let of_sides = of_sides.filter_map(|c| Some((moves(c.side.patch, &c.side.trace.dofs)?, c.of, &c.side.label)));
             let of_rims = self.said.pins.iter().filter(|p| p.component == group.component);
-            let of_rims = of_rims.filter_map(|p| Some((moves(p.rim.patch, p.rim.rim.functions())?, p.of, &p.rim.label)));
+            let of_rims = of_rims.filter_map(|p| Some((moves(p.rim.patch, &p.rim.rim.functions())?, p.of, &p.rim.label)));
             if let Some((side, by, label)) = of_sides.chain(of_rims).find(|found| found.1 != group.of) {
                 let names = vec![side.label.clone(), label.clone()];
                 errors.push(ProblemError::new(ErrorKind::HeldAsOne { component: group.component }, vec![by, group.of], names));
+            }
+        }
+    }
+
+    /// Reports forces on edges and in corners in components that are prescribed there: they would act on supports alone.
+    fn check_loads_on_points(&self, errors: &mut Vec<ProblemError>) {
+        for load in self.said.point_loads.iter().filter(|l| l.force.as_constant() != Some(0.0)) {
+            let functions = load.rim.rim.functions();
+            let holds = |patch: usize, component: usize, held: &[usize]| {
+                let held: HashSet<&usize> = held.iter().collect();
+                (patch, component) == (load.rim.patch, load.component) && functions.iter().all(|f| held.contains(f))
+            };
+            let of_sides = self.said.conditions.iter().filter(|c| holds(c.side.patch, c.component, &c.side.trace.dofs)).map(|c| c.of);
+            let of_rims = self.said.pins.iter().filter(|p| holds(p.rim.patch, p.component, &p.rim.rim.functions())).map(|p| p.of);
+            if let Some(held) = of_sides.chain(of_rims).next() {
+                let kind = ErrorKind::Held { component: load.component };
+                errors.push(ProblemError::new(kind, vec![held, load.of], vec![load.rim.label.clone()]));
             }
         }
     }

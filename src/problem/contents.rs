@@ -1,6 +1,5 @@
 //! Contents of a system: its bodies, ties, contacts and supports, and their sizes.
 
-use super::data::Exact;
 use super::handles::BodyId;
 use super::interface_view::InterfaceView;
 use super::model::{BodyModel, Model};
@@ -33,9 +32,9 @@ impl<'a, const S: usize, const N: usize> Contents<'a, S, N> {
         }
     }
 
-    /// The exact solution of the problem; `None` if it has none.
-    pub fn exact(&self) -> Option<&'a dyn Exact> {
-        self.model.exact.as_deref()
+    /// Whether the exact solution is known.
+    pub fn has_exact(&self) -> bool {
+        self.model.has_exact()
     }
 
     /// The bodies.

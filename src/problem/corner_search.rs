@@ -53,12 +53,12 @@ pub(super) fn shared<const S: usize, const N: usize>(model: &Model<S, N>, in_mod
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// The prescribed value of a component in a point at time `t`.
-    pub fn value_at(&self, value: &Value, component: usize, x: &Vector<N>, t: f64) -> f64 {
+    /// The value prescribed on a patch, of a component in a point at time `t`.
+    pub fn value_at(&self, value: &Value, (patch, component): (usize, usize), x: &Vector<N>, t: f64) -> f64 {
         let at = Point::new(x.as_slice()).at_time(t);
         match value {
             Value::Zero => 0.0,
-            Value::Exact => self.exact.as_ref().map_or(0.0, |exact| exact.value(component, &at)),
+            Value::Exact => self.patches[patch].exact.as_ref().map_or(0.0, |exact| exact.value(component, &at)),
             Value::Data(f) => f.value(&at),
         }
     }

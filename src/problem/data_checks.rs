@@ -93,7 +93,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 
     /// A point and a time at which a component of the exact solution is beyond the limits on a side.
     fn wrong_exact(&self, side: &BodySide<S, N>, component: usize) -> Option<ErrorKind> {
-        let exact = self.exact.as_ref()?;
+        let exact = self.exact_of(&self.bodies[side.patch])?;
         let value = |at: &Point| exact.value(component, at);
         self.beyond(&*side.trace.space, &side.rules, exact.depends_on_time(), &value, (component, Limits::ANY))
     }
@@ -143,8 +143,20 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 errors.push(ProblemError::new(kind, vec![c.of], vec![c.side.label.clone(); 2]));
             }
         }
+        for load in &self.said.point_loads {
+            let at = |t: f64| {
+                load.rim.rim.x.iter().find_map(|x| {
+                    let value = load.force.value(&Point::new(x.as_slice()).at_time(t));
+                    (!Limits::ANY.hold(value)).then(|| (Point::new(x.as_slice()).x, t, value))
+                })
+            };
+            let wrong = self.times_of(load.force.depends_on_time()).iter().find_map(|&t| at(t));
+            let Some((x, t, value)) = wrong.filter(|_| told.insert(load.of)) else { continue };
+            let kind = Limits::ANY.error(value, (x, t), load.component);
+            errors.push(ProblemError::new(kind, vec![load.of], vec![load.name.clone(), load.rim.label.clone()]));
+        }
         for pin in &self.said.pins {
-            let (value, changes): (&dyn Fn(&Point) -> f64, bool) = match (&pin.value, &self.exact) {
+            let (value, changes): (&dyn Fn(&Point) -> f64, bool) = match (&pin.value, self.exact_of(&self.bodies[pin.rim.patch])) {
                 (Value::Data(f), _) => (&|at| f.value(at), f.depends_on_time()),
                 (Value::Exact, Some(exact)) => (&|at| exact.value(pin.component, at), exact.depends_on_time()),
                 _ => continue,

@@ -81,6 +81,8 @@ pub enum ErrorKind {
     MixedCells,
     /// A load, a spring or a normal on an edge or in a corner.
     NotASide,
+    /// A force spread over sides, edges and corners together, which have no common measure.
+    MixedRegion,
     /// Sliding along a side that is curved.
     NotPlanar,
     /// A contact, a pressure, a weight or sliding in a problem of one component.
@@ -122,6 +124,8 @@ pub enum ErrorKind {
     },
     /// Values of an exact solution, in a problem without one.
     NoExact,
+    /// An exact solution in a body, and none in another one.
+    ExactInPart,
     /// A source or a weight beside an exact solution, which has its own.
     SourceTwice,
     /// Data that are not finite at a quadrature point.
@@ -234,6 +238,9 @@ impl Display for ProblemError {
             ErrorKind::NoRegion => write!(f, "{} have no edge and no corner in common", self.names.join(", ")),
             ErrorKind::MixedCells => write!(f, "parts of `{one}`, a side of triangles and quadrilaterals, are not in this version"),
             ErrorKind::NotASide => write!(f, "`{one}` is an edge or a corner: loads, springs and normals are those of sides"),
+            ErrorKind::MixedRegion => {
+                write!(f, "a force is spread over sides, over edges or over corners, not over `{one}` and `{other}` together")
+            }
             ErrorKind::NotPlanar => write!(f, "`{one}` is curved: bodies slide along planar sides only"),
             ErrorKind::Scalar => write!(f, "\"{one}\" needs one component per coordinate"),
             ErrorKind::Prescribed { error, t, .. } => write!(f, "{error} (t = {t})"),
@@ -247,9 +254,13 @@ impl Display for ProblemError {
             }
             ErrorKind::HeldAlong => write!(f, "the load on `{one}` acts along directions that are held wherever it acts"),
             ErrorKind::HeldAsOne { component } => {
-                write!(f, "`{one}` moves as one in component {component}, which `{other}` prescribes in a part of it: its force has no effect")
+                write!(
+                    f,
+                    "`{one}` moves as one in component {component}, which `{other}` prescribes in a part of it: its force has no effect"
+                )
             }
             ErrorKind::NoExact => write!(f, "\"{one}\" takes the values of an exact solution, and the problem has none"),
+            ErrorKind::ExactInPart => write!(f, "body \"{one}\" has an exact solution, body \"{other}\" has none"),
             ErrorKind::SourceTwice => write!(f, "body \"{one}\" has a source; the exact solution has its own"),
             ErrorKind::NotFinite { x, t, value, .. } => write!(f, "\"{one}\" on `{other}`: {value} at {x:?}, t = {t}"),
             ErrorKind::TooLarge { x, t, value, .. } => {

@@ -19,10 +19,10 @@ impl Eliminated {
     /// [`ErrorKind::Prescribed`], [`ErrorKind::Contradiction`] at the first time that has one.
     pub fn of<const S: usize, const N: usize>(model: &Model<S, N>, times: &[f64]) -> Result<Self, ProblemError> {
         let mut taken = vec![false; model.unknowns];
-        let values = model.conditions.iter().map(|c| &c.value).chain(model.pins.iter().map(|p| &p.value));
-        let changes = values.into_iter().any(|value| match value {
+        let values = model.conditions.iter().map(|c| (&c.value, c.side.patch)).chain(model.pins.iter().map(|p| (&p.value, p.rim.patch)));
+        let changes = values.into_iter().any(|(value, patch)| match value {
             Value::Zero => false,
-            Value::Exact => model.exact.as_ref().is_some_and(|e| e.depends_on_time()),
+            Value::Exact => model.patches[patch].exact.as_ref().is_some_and(|e| e.depends_on_time()),
             Value::Data(f) => f.depends_on_time(),
         });
         let times = if changes { times } else { &times[..times.len().min(1)] };

@@ -46,8 +46,8 @@ fn exact_traction<const S: usize, const N: usize>(
     element: usize,
     [x, normal]: [&Vector<N>; 2],
 ) -> [f64; 3] {
-    let Some(exact) = model.exact.as_deref() else { return [0.0; 3] };
-    let physics = model.patches[slave.patch_of(element)].physics_at(t);
+    let patch = &model.patches[slave.patch_of(element)];
+    let (Some(exact), physics) = (patch.exact.as_deref(), patch.physics_at(t)) else { return [0.0; 3] };
     let found = physics.own_traction(exact, t, x, [normal, &-normal], own.depths(element, 0.0));
     found.unwrap_or([f64::NAN; 3])
 }

@@ -208,21 +208,21 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 
     fn inexact_load(&self, load: &LoadSum, times: &[f64]) -> Option<Inexact> {
-        let is_smooth = self.exact.as_ref().is_some_and(|e| !e.is_piecewise());
+        let is_smooth = |patch: usize| self.patches[patch].exact.as_ref().is_some_and(|e| !e.is_piecewise());
         let of = || Integral::Load { of: load.of, name: load.name.clone(), patch: load.patch };
         let c = self.components;
         if let Some(k) = load.patch {
             let patch = &self.patches[k];
             let data = || patch.source.iter().chain(patch.weights.iter().map(|w| &w.0));
-            let is_constant = self.exact.is_none() && data().all(|f| f.as_constant().is_some());
-            if is_smooth || is_constant {
+            let is_constant = patch.exact.is_none() && data().all(|f| f.as_constant().is_some());
+            if is_smooth(k) || is_constant {
                 return None;
             }
-            let changes = self.exact.as_ref().is_some_and(|e| e.depends_on_time()) || data().any(Data::depends_on_time);
+            let changes = patch.exact.as_ref().is_some_and(|e| e.depends_on_time()) || data().any(Data::depends_on_time);
             return worst(looked_at(times, changes), of, c, |t| self.volume_sums(patch, t));
         }
         let sides: Vec<&SideLoad<S, N>> = self.loads.iter().filter(|l| l.group == load.of).collect();
-        let smooth = |l: &&SideLoad<S, N>| is_smooth && matches!(l.action, Action::Exact(_));
+        let smooth = |l: &&SideLoad<S, N>| is_smooth(l.side.patch) && matches!(l.action, Action::Exact(_));
         if sides.iter().all(smooth) {
             return None;
         }
@@ -239,7 +239,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 let is_constant = data(load).is_some_and(|f| f.as_constant().is_some());
                 let act = |x: &Vector<N>, n: &Vector<N>, out: &mut [f64]| self.side_force(load, &physics, t, x, n, out);
                 let (mut a, b) = sums_of_side(&load.side, &levers, is_constant, &act, c);
-                if let (Some(exact), Action::Exact(_)) = (&self.exact, &load.action) {
+                if let (Some(exact), Action::Exact(_)) = (&self.patches[load.side.patch].exact, &load.action) {
                     let terms = |x: &Vector<N>, _: &Vector<N>, out: &mut [f64]| out[0] = physics.modulus(x) * slope_size(&**exact, c, x, t);
                     a[6] = a[6].max(CANCELLED * sums_of_side(&load.side, &levers, true, &terms, 1).0[6]);
                 }
@@ -270,7 +270,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let halved = Halved::new(space, most_points(space), LEAST[N - 1]);
         let mut own = over_elements(space.num_elements(), |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &density));
         let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<N, N>| halved.element(e, scratch, &density));
-        if let Some(exact) = &self.exact {
+        if let Some(exact) = &patch.exact {
             let physics = patch.physics_at(t);
             let terms = |x: &Vector<N>, _: &Matrix<N, N>| [physics.modulus(x) * bend_size(&**exact, self.components, x, t)];
             let [size] =
@@ -298,11 +298,11 @@ impl<const S: usize, const N: usize> Model<S, N> {
             Value::Zero => return None,
             Value::Data(f) if f.as_constant().is_some() => return None,
             Value::Data(f) => f.depends_on_time(),
-            Value::Exact => self.exact.as_ref()?.depends_on_time(),
+            Value::Exact => self.patches[side.patch].exact.as_ref()?.depends_on_time(),
         };
         let of = || Integral::Prescribed { of: condition.of, side: side.label.clone(), component };
         worst_by_elements(looked_at(times, changes), of, |t| {
-            let value = |x: &Vector<N>| self.value_at(&condition.value, component, x, t);
+            let value = |x: &Vector<N>| self.value_at(&condition.value, (side.patch, component), x, t);
             let found = by_elements(&*side.trace.space, &side.rules, &value);
             // bounded data that are coarse converge with the solution
             if found.1 > ACCEPTED && is_bounded(&*side.trace.space, &side.rules, &value) { ([0.0; 2], 0.0) } else { found }

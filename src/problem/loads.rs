@@ -38,8 +38,8 @@ fn place<const N: usize>(x: &Vector<N>, t: f64) -> Point {
 
 impl<const S: usize, const N: usize> Model<S, N> {
     /// The force per volume of a patch at a point; none where there is none at all.
-    pub(super) fn volume_force(&self, patch: &BodyModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + '_>> {
-        if let Some(exact) = &self.exact {
+    pub(super) fn volume_force<'a>(&self, patch: &'a BodyModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + 'a>> {
+        if let Some(exact) = &patch.exact {
             let physics = patch.physics_at(t);
             return Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| physics.exact_source(&**exact, &place(x, t), x, out)));
         }
@@ -70,7 +70,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         match &load.action {
             Action::Traction(component, f) => out[*component] = f.value(&place(x, t)),
             Action::Exact(component) => {
-                let exact = self.exact.as_ref().expect("exact data were refused without an exact solution");
+                let exact = self.patches[load.side.patch].exact.as_ref().expect("exact data were refused without an exact solution");
                 let mut traction = vec![0.0; out.len()];
                 physics.exact_traction(&**exact, &place(x, t), x, n, &mut traction);
                 out[*component] = traction[*component];
@@ -116,6 +116,18 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let sum = sums.iter_mut().find(|s| s.of == side_load.group).expect("every load has a sum");
             sum.resultant.sum(&own);
         }
+        for point_load in &self.point_loads {
+            let patch = &self.patches[point_load.rim.patch];
+            let mut value = vec![0.0; c];
+            let mut own = Resultant::default();
+            point_load.visit(t, |x, force, weight, shapes| {
+                shapes.iter().for_each(|&(function, n)| load[patch.field.unknown(function, point_load.component)] += force * weight * n);
+                value[point_load.component] = force;
+                own.add(x, &value, weight);
+            });
+            totals[point_load.rim.patch].sum(&own);
+            sums.iter_mut().find(|s| s.of == point_load.group).expect("every load has a sum").resultant.sum(&own);
+        }
         // forces on obstacles: their moments are carried by the guides, which prevent rotations
         for (contact, total) in self.contacts.iter().zip(&mut totals[self.patches.len()..]) {
             for p in contact.obstacle.iter().flat_map(|o| &o.pressed) {
@@ -127,16 +139,17 @@ impl<const S: usize, const N: usize> Model<S, N> {
         Loads { vector: load, totals, sums }
     }
 
-    /// All loads with the resultant zero: those of the bodies' volumes, then those of sides, each name once.
+    /// All loads with the resultant zero: those of the bodies' volumes, of sides, then of edges and corners, each name once.
     pub fn no_loads(&self) -> Vec<LoadSum> {
         let kind = if self.components == 1 { "source" } else { "body_force" };
-        let loaded = |p: &BodyModel<S, N>| self.exact.is_some() || !p.source.is_empty() || !p.weights.is_empty();
+        let loaded = |p: &BodyModel<S, N>| p.exact.is_some() || !p.source.is_empty() || !p.weights.is_empty();
         let volumes = self.patches.iter().enumerate().filter(|(_, p)| loaded(p));
         let sum = |of, name: String, patch| LoadSum { of, name, patch, resultant: Resultant::default() };
         let mut all: Vec<LoadSum> = volumes.map(|(k, p)| sum(p.id.into(), format!("{}.{kind}", p.name), Some(k))).collect();
-        for load in &self.loads {
-            if !all.iter().any(|s| s.of == load.group) {
-                all.push(sum(load.group, load.name.clone(), None));
+        let of_sides = self.loads.iter().map(|load| (load.group, &load.name));
+        for (group, name) in of_sides.chain(self.point_loads.iter().map(|load| (load.group, &load.name))) {
+            if !all.iter().any(|s| s.of == group) {
+                all.push(sum(group, name.clone(), None));
             }
         }
         all

@@ -29,7 +29,7 @@ pub(super) struct OwnSide<'a, const S: usize, const N: usize> {
 impl<'a, const S: usize, const N: usize> OwnSide<'a, S, N> {
     /// Measures a side of a model; where the exact solution has no pieces there is nothing to measure.
     pub fn new(model: &'a Model<S, N>, side: &'a BodySide<S, N>) -> Self {
-        let by_pieces = model.exact.as_ref().is_some_and(|exact| exact.is_piecewise());
+        let by_pieces = model.patches[side.patch].exact.as_ref().is_some_and(|exact| exact.is_piecewise());
         let shaped = by_pieces && model.patches[side.patch].is_shaped;
         let sag = if by_pieces { sag(&model.patches, side) } else { Sag::none(side.trace.facets.len()) };
         Self { side, sag, inside: INSIDE * (model.size + model.center.norm()), shaped }

@@ -22,24 +22,24 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// # Panics
     /// If a condition takes the value of the exact solution and there is none.
     pub fn prescribed(&self, t: f64) -> Result<Vec<(usize, f64)>, Box<(DirichletError, Conditions)>> {
-        self.projected(|value, component| match value {
+        self.projected(|value, (patch, component)| match value {
             Value::Zero => None,
             Value::Exact => {
-                let exact = self.exact.as_ref().expect("exact data were refused without an exact solution");
+                let exact = self.patches[patch].exact.as_ref().expect("exact data were refused without an exact solution");
                 Some(Box::new(move |x: &Vector<N>| exact.value(component, &Point::new(x.as_slice()).at_time(t))))
             }
             Value::Data(f) => Some(Box::new(move |x: &Vector<N>| f.value(&Point::new(x.as_slice()).at_time(t)))),
         })
     }
 
-    /// Corners that bodies have in common, then one L2 projection per glued body and component of values given per condition; of glued
+    /// Corners that bodies have in common, then one L2 projection per glued body and component of values given per condition, patch and component; of glued
     /// unknowns only the one that stands for all is listed.
     ///
     /// # Errors
     /// As [`Model::prescribed`].
     pub(super) fn projected<'a>(
         &'a self,
-        value: impl Fn(&'a Value, usize) -> Option<Box<dyn Fn(&Vector<N>) -> f64 + Sync + 'a>>,
+        value: impl Fn(&'a Value, (usize, usize)) -> Option<Box<dyn Fn(&Vector<N>) -> f64 + Sync + 'a>>,
     ) -> Result<Vec<(usize, f64)>, Box<(DirichletError, Conditions)>> {
         let mut all = Vec::new();
         let mut by_body: BTreeMap<usize, [Vec<usize>; 2]> = BTreeMap::new();
@@ -52,8 +52,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         for (body, [of_sides, of_rims]) in &by_body {
             let mine: Vec<&Condition<S, N>> = of_sides.iter().map(|&k| &self.conditions[k]).collect();
             let pins: Vec<&PointCondition<N>> = of_rims.iter().map(|&k| &self.pins[k]).collect();
-            let values: Vec<_> = mine.iter().map(|c| value(&c.value, c.component)).collect();
-            let pin_values: Vec<_> = pins.iter().map(|p| value(&p.value, p.component)).collect();
+            let values: Vec<_> = mine.iter().map(|c| value(&c.value, (c.side.patch, c.component))).collect();
+            let pin_values: Vec<_> = pins.iter().map(|p| value(&p.value, (p.rim.patch, p.component))).collect();
             let rims: Vec<Rim<N>> = pins.iter().map(|p| self.rim_in_model(&p.rim)).collect();
             let pinned: Vec<Pinned<'_, N>> = pins
                 .iter()
@@ -73,7 +73,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let mut corners = Vec::new();
             for corner in self.corners.iter().filter(|c| self.glued.body(self.conditions[c.condition].side.patch) == *body) {
                 let condition = &self.conditions[corner.condition];
-                let prescribed = value(&condition.value, condition.component).map_or(0.0, |v| v(&corner.x)) / corner.value;
+                let prescribed =
+                    value(&condition.value, (condition.side.patch, condition.component)).map_or(0.0, |v| v(&corner.x)) / corner.value;
                 // data without a value in the corner itself are projected there
                 if prescribed.is_finite() {
                     corners.push((field.unknown(corner.function, condition.component), prescribed));

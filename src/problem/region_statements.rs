@@ -5,7 +5,7 @@ use super::error::{ErrorKind, ProblemError};
 use super::handles::{BodyId, Kind, Region, RegionId, SideOf};
 use super::model::{BodyRim, BodySide};
 use super::regions::Piece;
-use crate::assembly::{Halved, HalvedScratch, Rim, measure};
+use crate::assembly::{Halved, HalvedScratch, Rim};
 use crate::basis::{Cell, Order};
 use crate::geometry::{Embedding, MapTable, cell};
 use crate::linalg::{Matrix, Vector};
@@ -150,11 +150,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// [`ErrorKind::OtherProblem`].
     pub fn measure<'a>(&mut self, on: impl Into<Region<'a>>) -> Result<f64, ProblemError> {
         let pieces = self.pieces(on.into())?;
-        let of = |piece: &Piece<S, N>| match piece {
-            Piece::Side(side) => measure(&*side.trace.space, &side.rules),
-            Piece::Rim(_) => 0.0,
-        };
-        Ok(pieces.iter().map(of).sum())
+        Ok(pieces.iter().filter(|piece| matches!(piece, Piece::Side(_))).map(Piece::measure).sum())
     }
 
     /// Measure of the part of a side in which `holds` [length^S], which cuts through facets: they are halved where it jumps.

@@ -1,6 +1,7 @@
 //! The regions of a problem by their numbers, and the sides of its bodies, each made once.
 
 use super::model::{BodyModel, BodyRim, BodySide};
+use crate::assembly::measure;
 use crate::space::SideError;
 use std::collections::HashMap;
 use std::fmt::{Debug, Formatter};
@@ -23,6 +24,14 @@ impl<const S: usize, const N: usize> Piece<S, N> {
         match self {
             Self::Side(side) => &side.label,
             Self::Rim(rim) => &rim.label,
+        }
+    }
+
+    /// Area or length of a side, length of an edge \[length^dimension\]; 1 of a corner.
+    pub fn measure(&self) -> f64 {
+        match self {
+            Self::Side(side) => measure(&*side.trace.space, &side.rules),
+            Self::Rim(rim) => rim.rim.weight.iter().sum(),
         }
     }
 

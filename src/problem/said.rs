@@ -1,7 +1,7 @@
 //! Supports, loads and joints of a problem as they were said.
 
 use super::handles::Statement;
-use super::model::{BodySide, Condition, HeldSide, PointCondition, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+use super::model::{BodySide, Condition, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 use super::regions::Piece;
 use crate::linalg::Vector;
 use crate::space::Near;
@@ -18,6 +18,7 @@ pub(super) struct Said<const S: usize, const N: usize> {
     pub held: Vec<HeldSide<S, N>>,
     pub rigid_sides: Vec<RigidSides<S, N>>,
     pub loads: Vec<SideLoad<S, N>>,
+    pub point_loads: Vec<PointLoad<N>>,
     pub springs: Vec<SideSpring<S, N>>,
 }
 
@@ -31,6 +32,7 @@ impl<const S: usize, const N: usize> Default for Said<S, N> {
             held: Vec::new(),
             rigid_sides: Vec::new(),
             loads: Vec::new(),
+            point_loads: Vec::new(),
             springs: Vec::new(),
         }
     }

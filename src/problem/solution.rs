@@ -206,7 +206,12 @@ impl<const S: usize, const N: usize> Solution<S, N> {
 
     /// Norms of the error against an exact solution, per body.
     pub fn errors(&self, exact: &dyn Exact) -> Vec<Errors> {
-        self.inner.errors(exact)
+        self.inner.errors(Some(exact))
+    }
+
+    /// Norms of the error against the exact solution of the problem, per body that has one.
+    pub fn own_errors(&self) -> Vec<Errors> {
+        self.inner.errors(None)
     }
 }
 

@@ -42,7 +42,7 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
     fn reactions(&self) -> &[Reaction<S, N>];
     fn balance(&self) -> Resultant;
     fn energy(&self) -> f64;
-    fn errors(&self, exact: &dyn Exact) -> Vec<Errors>;
+    fn errors(&self, exact: Option<&dyn Exact>) -> Vec<Errors>;
     fn difference(&self, body: BodyId, rules: &dyn Quadrature<N>, other: &dyn OtherField<N>) -> Result<Errors, ProblemError>;
     fn extremes(&self, body: BodyId, derived: Option<bool>, field: Scalar<'_, N>) -> Result<Option<[Extreme<N>; 2]>, ProblemError>;
     fn lambda_field(self: Arc<Self>, of: InterfaceId, side: usize) -> Result<Option<LambdaField<S>>, ProblemError>;
@@ -169,10 +169,13 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
         self.energy
     }
 
-    fn errors(&self, exact: &dyn Exact) -> Vec<Errors> {
-        let t = self.state.t;
-        let patches = self.common.model.patches.iter();
-        patches.map(|p| p.physics_at(t).errors(&**p.body.space(), &p.rules, &self.state.u[p.range()], exact, t)).collect()
+    fn errors(&self, exact: Option<&dyn Exact>) -> Vec<Errors> {
+        let (t, u) = (self.state.t, &self.state.u);
+        let of = |p: &BodyModel<S, N>| {
+            let exact = exact.or(p.exact.as_deref())?;
+            Some(p.physics_at(t).errors(&**p.body.space(), &p.rules, &u[p.range()], exact, t))
+        };
+        self.common.model.patches.iter().filter_map(of).collect()
     }
 
     fn difference(&self, body: BodyId, rules: &dyn Quadrature<N>, other: &dyn OtherField<N>) -> Result<Errors, ProblemError> {

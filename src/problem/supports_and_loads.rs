@@ -4,9 +4,9 @@ use super::builder::Problem;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{Components, Kind, Region, Statement, Unknown};
-use super::model::{Action, BodySide, HeldSide, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+use super::model::{Action, BodySide, HeldSide, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 use super::regions::Piece;
-use crate::assembly::{Equation, measure, planar_normal};
+use crate::assembly::{Equation, planar_normal};
 use crate::linalg::Vector;
 use std::sync::Arc;
 
@@ -30,6 +30,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     pub fn name(&mut self, of: Statement, name: &str) {
         let group = *self.groups.entry(name.to_owned()).or_insert(of);
         for load in self.said.loads.iter_mut().filter(|l| l.of == of) {
+            (load.group, load.name) = (group, name.to_owned());
+        }
+        for load in self.said.point_loads.iter_mut().filter(|l| l.of == of) {
             (load.group, load.name) = (group, name.to_owned());
         }
         self.said.springs.iter_mut().filter(|s| s.of == of).for_each(|s| name.clone_into(&mut s.name));
@@ -174,14 +177,34 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok(self.load(&sides, &Action::Pressure(pressure.into())))
     }
 
-    /// Applies a component of a force, spread evenly over the sides of the region.
+    /// Applies a component of a force, spread evenly over the region: sides, edges, or corners, where each gets the same share.
     ///
     /// # Errors
-    /// Those of [`fix`](Self::fix), and [`ErrorKind::NotASide`].
+    /// Those of [`fix`](Self::fix), and [`ErrorKind::MixedRegion`] for a region of sides and edges, edges and corners, or sides and corners.
     pub fn force<'a>(&mut self, on: impl Into<Region<'a>>, component: usize, force: impl Into<Data>) -> Result<Statement, ProblemError> {
-        let (sides, component) = (self.only_sides(on.into())?, self.component(component)?);
-        let area = sides.iter().map(|side| measure(&*side.trace.space, &side.rules)).sum();
-        Ok(self.load(&sides, &Action::Force(component, force.into(), area)))
+        let (pieces, component, force) = (self.pieces(on.into())?, self.component(component)?, force.into());
+        let dimension = |piece: &Piece<S, N>| match piece {
+            Piece::Side(_) => S,
+            Piece::Rim(rim) => rim.rim.dimension,
+        };
+        if let Some(other) = pieces.iter().find(|piece| dimension(piece) != dimension(&pieces[0])) {
+            return Err(ProblemError::named(ErrorKind::MixedRegion, &[pieces[0].label(), other.label()]));
+        }
+        let measure = pieces.iter().map(Piece::measure).sum();
+        let of = self.statement();
+        for piece in pieces {
+            let (group, name) = (of, piece.label().to_owned());
+            match piece {
+                Piece::Side(side) => {
+                    let action = Action::Force(component, force.clone(), measure);
+                    self.said.loads.push(SideLoad { of, group, name, side, action });
+                }
+                Piece::Rim(rim) => {
+                    self.said.point_loads.push(PointLoad { of, group, name, rim, component, force: force.clone(), measure });
+                }
+            }
+        }
+        Ok(of)
     }
 
     /// Puts springs [force/area per length] between sides and the ground.
@@ -208,8 +231,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// Those of [`fix`](Self::fix), and [`ErrorKind::NotASide`].
     pub fn rigid<'a>(&mut self, on: impl Into<Region<'a>>, component: usize, force: impl Into<Data>) -> Result<Statement, ProblemError> {
         let region = on.into();
-        let of = self.force(region, component, force)?;
         let sides = self.only_sides(region)?;
+        let of = self.force(region, component, force)?;
         // functions of a side sum to one: equal coefficients are a constant
         let mut unknowns: Vec<usize> =
             sides.iter().flat_map(|side| side.trace.dofs.iter().map(|&dof| side.field.unknown(dof, component))).collect();

@@ -44,6 +44,30 @@ fn the_gap_of_a_plane_is_its_distance_whatever_f_is_off_the_plane() {
     }
 }
 
+/// The origin tells nothing about the size of a model: f is written in coordinates that are shifted and divided by a size, and rounds to zero
+/// over some length.
+#[test]
+fn a_foot_at_the_origin_is_found_in_any_size() {
+    for size in [3.737_803_254_768_16e-9, 1e-6, 0.3, 1.0, 2.7e8] {
+        for shift in [0.030_8, -0.37, 0.0, 0.5, 123.456] {
+            // a parabola through (0, gap) with its axis shifted aside; slope 2 c shift at the origin
+            for (c, gap) in [(0.2176, -8e-4), (0.0, 1e-6), (0.4, 0.0), (0.0, 0.0), (0.7, 1e-13)] {
+                let (bend, offset) = (c / (1.0 + shift * shift), gap + 0.7);
+                let level = move |x: &Point| {
+                    let (u, v) = (x[0] / size - shift, x[1] / size - offset);
+                    let value = v + 0.7 + bend * u * u - bend * shift * shift;
+                    (value, Point::new(2.0 * bend * u, 1.0) / size)
+                };
+                let normal = Point::new(-2.0 * bend * shift, 1.0).normalize();
+                let found = hit(level, Point::zeros(), -normal);
+                let first = -gap * normal[1] * size;
+                let within = 1e-14 * (1.0 + shift * shift) + 4.0 * bend * gap * gap;
+                assert!((found.gap - first).abs() < within * size, "{size} {shift} {c} {gap}: {:e} for {first:e}", found.gap);
+            }
+        }
+    }
+}
+
 #[test]
 fn the_gap_of_an_ellipse_is_its_distance_on_both_sides() {
     for (a, b) in [(1.0, 1.0), (2.0, 1.0), (5.0, 1.0), (0.03, 0.02), (1.2e3, 2.5e3)] {

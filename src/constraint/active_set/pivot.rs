@@ -137,6 +137,8 @@ impl Pivot {
                 (self.single, self.exchanges) = (self.exchanges.max(self.counts[best]), 2 * self.exchanges);
                 tries = if self.counts[best] < wrong.len() {
                     let rows: Vec<usize> = (0..state.len()).filter(|&k| state[k] != self.states[best][k]).collect();
+                    // the exchanges begin there, and may come through this state
+                    self.visited.clear();
                     vec![changed(state, &rows)]
                 } else {
                     exchanges(state, &wrong)
@@ -301,6 +303,13 @@ mod tests {
         assert_eq!(after(&mut pivot, "111111", &[3, 5], 3), "110000");
         assert_eq!(pivot.cycles, [Cycle { first: 2, second: 4, rows: vec![3, 5] }]);
         assert_eq!(after(&mut pivot, "110000", &[2], 4), "111000");
+        // exchanges from there may come through the state in which the circle was found
+        let mut pivot = line(6, false);
+        after(&mut pivot, "111011", &[2, 3, 4], 1);
+        after(&mut pivot, "110000", &[2], 2);
+        assert_eq!(after(&mut pivot, "111000", &[4, 5], 3), "110000");
+        assert_eq!(after(&mut pivot, "110000", &[2], 4), "111000");
+        assert_eq!(after(&mut pivot, "111000", &[4, 5], 5), "111010");
         // of a circle whose states are equally wrong, from where it is found
         let mut pivot = line(6, false);
         after(&mut pivot, "111111", &[3, 5], 1);

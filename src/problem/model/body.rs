@@ -4,7 +4,7 @@ use crate::assembly::{Rim, gauss_rules_along, points_of_curved_cells};
 use crate::geometry::Bounds;
 use crate::linalg::Vector;
 use crate::problem::changing::Changing;
-use crate::problem::data::Data;
+use crate::problem::data::{Data, Exact};
 use crate::problem::handles::BodyId;
 use crate::problem::physics::Physics;
 use crate::quadrature::PerElement;
@@ -42,6 +42,8 @@ pub struct BodyModel<const S: usize, const N: usize> {
     pub extent: Option<Bounds<N>>,
     /// Its parts, which share no functions.
     pub parts: Connected,
+    /// Exact solution in the patch.
+    pub exact: Option<Arc<dyn Exact>>,
     /// Body force or source of the patch, one function per component.
     pub source: Vec<Data>,
     /// Density and gravity, one pair per weight.
@@ -71,6 +73,7 @@ impl<const S: usize, const N: usize> BodyModel<S, N> {
             changing: None,
             source: Vec::new(),
             weights: Vec::new(),
+            exact: None,
         }
     }
 

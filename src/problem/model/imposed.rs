@@ -3,7 +3,7 @@
 use super::{BodyRim, BodySide};
 use crate::assembly::Equation;
 use crate::linalg::Vector;
-use crate::problem::data::Data;
+use crate::problem::data::{Data, Point};
 use crate::problem::handles::Statement;
 use std::sync::Arc;
 
@@ -82,6 +82,35 @@ pub struct SideLoad<const S: usize, const N: usize> {
     pub side: Arc<BodySide<S, N>>,
     /// The load.
     pub action: Action,
+}
+
+/// A component of a force on an edge or in a corner.
+#[derive(Clone, Debug)]
+pub struct PointLoad<const N: usize> {
+    /// The statement.
+    pub of: Statement,
+    /// The first statement of its name; loads of one are summed in results.
+    pub group: Statement,
+    /// Name of the load in results.
+    pub name: String,
+    /// The edge or the corner.
+    pub rim: Arc<BodyRim<N>>,
+    /// The component.
+    pub component: usize,
+    /// The resultant of the statement \[force\].
+    pub force: Data,
+    /// Length of all edges of the statement, or number of its corners, over which the resultant is spread evenly.
+    pub measure: f64,
+}
+
+impl<const N: usize> PointLoad<N> {
+    /// Visits the points with their forces per length, or forces, at time `t`: position, value, weight, and the functions there.
+    pub fn visit(&self, t: f64, mut act: impl FnMut(&Vector<N>, f64, f64, &[(usize, f64)])) {
+        let rim = &self.rim.rim;
+        for ((x, &weight), shapes) in rim.x.iter().zip(&rim.weight).zip(&rim.shapes) {
+            act(x, self.force.value(&Point::new(x.as_slice()).at_time(t)) / self.measure, weight, shapes);
+        }
+    }
 }
 
 /// An equation between unknowns.

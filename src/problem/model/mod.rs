@@ -7,11 +7,10 @@ mod tie;
 
 pub use body::{BodyModel, BodyRim, BodySide};
 pub use contact::{ContactModel, ContactPart, Opposing};
-pub use imposed::{Action, Condition, HeldSide, PointCondition, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+pub use imposed::{Action, Condition, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 pub use tie::{Pairing, TieModel, TiePart};
 
 use super::corners::SharedCorner;
-use super::data::Exact;
 use super::facets_apart::FacetsApart;
 use super::glued::{Glued, SharedPoint};
 use crate::assembly::Equation;
@@ -47,12 +46,12 @@ pub struct Model<const S: usize, const N: usize> {
     pub rigid_sides: Vec<RigidSides<S, N>>,
     /// Loads on sides.
     pub loads: Vec<SideLoad<S, N>>,
+    /// Forces on edges and in corners.
+    pub point_loads: Vec<PointLoad<N>>,
     /// Springs on sides.
     pub springs: Vec<SideSpring<S, N>>,
     /// Warnings of the searches for touching sides from which the problem was made.
     pub findings: Vec<FacetsApart>,
-    /// Manufactured solution.
-    pub exact: Option<Arc<dyn Exact>>,
     /// Tied interfaces.
     pub ties: Vec<TieModel<S, N>>,
     /// Contacts.
@@ -70,6 +69,11 @@ pub struct Model<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
+    /// Whether the exact solution is known, in all patches.
+    pub fn has_exact(&self) -> bool {
+        !self.patches.is_empty() && self.patches.iter().all(|p| p.exact.is_some())
+    }
+
     /// A model of bodies without conditions, loads, ties and contacts; `glued` and `hinges` join them.
     pub fn new(patches: Vec<BodyModel<S, N>>, glued: Glued, hinges: Vec<SharedPoint<N>>) -> Self {
         let whole = patches.iter().filter_map(|p| p.extent).reduce(|a, b| a.union(&b));
@@ -88,9 +92,9 @@ impl<const S: usize, const N: usize> Model<S, N> {
             held: Vec::new(),
             rigid_sides: Vec::new(),
             loads: Vec::new(),
+            point_loads: Vec::new(),
             springs: Vec::new(),
             findings: Vec::new(),
-            exact: None,
             ties: Vec::new(),
             contacts: Vec::new(),
             rows: 0,

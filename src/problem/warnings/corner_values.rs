@@ -48,10 +48,14 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }
         let (mut told, mut found) = (vec![false; pairs.len()], Vec::new());
         for &t in times {
-            let largest = self.conditions.iter().map(|c| largest(c, &|x| self.value_at(&c.value, c.component, x, t))).fold(0.0, f64::max);
+            let largest = self
+                .conditions
+                .iter()
+                .map(|c| largest(c, &|x| self.value_at(&c.value, (c.side.patch, c.component), x, t)))
+                .fold(0.0, f64::max);
             for ([a, b], told) in pairs.iter().zip(&mut told).filter(|(_, told)| !**told) {
                 // both values at one point, so that a small distance of the bodies is not taken for a jump
-                let values = [a, b].map(|held| self.value_at(held.value, held.component, &a.x, t));
+                let values = [a, b].map(|held| self.value_at(held.value, (held.patch, held.component), &a.x, t));
                 let jump = values[0] - values[1];
                 if jump.abs() <= EQUAL_VALUES * largest.max(values[0].abs()) || !jump.is_finite() {
                     continue;

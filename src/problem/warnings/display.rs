@@ -98,9 +98,9 @@ impl Display for Warning {
                 let [apart, size, moved] = [apart, size, moved].map(|x| digits(*x));
                 write!(f, "the penalty of {of} is soft: bodies are {apart} {word}, of a size of {size} and displacements up to {moved}")
             }
-            Self::GapPressure { of, pressure, stress, x } => {
-                let [pressure, stress] = [pressure, stress].map(|v| digits(*v));
-                write!(f, "pressures of {of} at points are those of gaps: {pressure} at {}, where the stress of the bodies is {stress}", place(x))
+            Self::GapPressure { of, pressure, from_gap, gap, x } => {
+                let [pressure, from_gap, gap] = [pressure, from_gap, gap].map(|v| digits(*v));
+                write!(f, "pressures of {of} at points are not the stress: at {} {from_gap} of {pressure} is from a gap of {gap}", place(x))
             }
             Self::Kinematics { of, strain, rotation, allowed } => {
                 write!(f, "{of} deforms too far for small kinematics")?;

@@ -38,26 +38,33 @@ struct Jump<const N: usize> {
 
 /// Finds the largest jump inside each patch and that across each tie, at time `t`.
 pub(super) fn flux_jumps<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Vec<Warning> {
-    let Some(exact) = model.exact.as_deref() else { return Vec::new() };
+    if !model.has_exact() {
+        return Vec::new();
+    }
+    let by_pieces = |patch: usize| model.patches[patch].exact.as_ref().is_some_and(|exact| exact.is_piecewise());
     let mut found = Vec::new();
     let mut tell = |jump: Jump<N>, of: Subject| {
         if jump.size > JUMP * jump.largest {
             found.push(Warning::FluxJump { of, x: jump.at.as_slice().to_vec(), share: jump.size / jump.largest });
         }
     };
-    if exact.is_piecewise() {
-        for (k, patch) in model.patches.iter().enumerate() {
-            let rims = OnceCell::new();
-            let in_rim = |x: &Vector<N>| rims.get_or_init(|| Rims::of(model, k)).hold(x);
-            tell(inside(patch, &in_rim, exact, t), Subject::body(model, k));
-        }
+    for (k, patch) in model.patches.iter().enumerate() {
+        let Some(exact) = patch.exact.as_deref().filter(|exact| exact.is_piecewise()) else { continue };
+        let rims = OnceCell::new();
+        let in_rim = |x: &Vector<N>| rims.get_or_init(|| Rims::of(model, k)).hold(x);
+        tell(inside(patch, &in_rim, exact, t), Subject::body(model, k));
     }
     for (k, tie) in model.ties.iter().enumerate() {
         for part in &tie.parts {
-            let own = &model.patches[part.slave.patch].physics;
-            let is_smooth = part.pairings.iter().all(|p| own.is_uniform_with(&model.patches[p.master.patch].physics));
-            if exact.is_piecewise() || !is_smooth {
-                tell(across(model, part, exact, t), Subject::tie(model, k));
+            let slave = part.slave.patch;
+            let own = &model.patches[slave];
+            let is_one = |other: &BodyModel<S, N>| {
+                own.physics.is_uniform_with(&other.physics)
+                    && own.exact.as_ref().zip(other.exact.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
+            };
+            let is_smooth = part.pairings.iter().all(|p| is_one(&model.patches[p.master.patch]) && !by_pieces(p.master.patch));
+            if by_pieces(slave) || !is_smooth {
+                tell(across(model, part, t), Subject::tie(model, k));
             }
         }
     }
@@ -212,11 +219,13 @@ fn lines<const S: usize, const N: usize>(patch: &BodyModel<S, N>) -> Vec<[Vector
 }
 
 /// The largest jump of the flux across a tie.
-fn across<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S, N>, exact: &dyn Exact, t: f64) -> Jump<N> {
+fn across<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S, N>, t: f64) -> Jump<N> {
     let mut worst = Jump { size: 0.0, largest: 0.0, at: Vector::zeros() };
     let (on_slave, mut table) = (OwnSide::new(model, &part.slave), MapTable::new());
     let slave = model.patches[part.slave.patch].physics_at(t);
+    let exact_in = |patch: usize| model.patches[patch].exact.as_ref();
     for pairing in &part.pairings {
+        let Some((own_exact, other_exact)) = exact_in(part.slave.patch).zip(exact_in(pairing.master.patch)) else { continue };
         let (s, on_master) = (&pairing.segments, OwnSide::new(model, &pairing.master));
         let master = model.patches[pairing.master.patch].physics_at(t);
         for piece in 0..s.num_pieces() {
@@ -227,8 +236,8 @@ fn across<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S,
             for (x, j) in table.x.iter().zip(&table.jacobian) {
                 let normal = part.slave.trace.normal(element, j);
                 let off = normal * (INSIDE * model.size);
-                let own = slave.own_traction(exact, t, &(x - off), [&normal, &-normal], depths[0]);
-                let other = master.own_traction(exact, t, &(x + off), [&normal, &normal], depths[1]);
+                let own = slave.own_traction(&**own_exact, t, &(x - off), [&normal, &-normal], depths[0]);
+                let other = master.own_traction(&**other_exact, t, &(x + off), [&normal, &normal], depths[1]);
                 // which piece is meant is open there
                 let (Some(own), Some(other)) = (own, other) else { continue };
                 let jump = distance(&own, &other);

@@ -15,7 +15,7 @@ const LOCAL: f64 = 1e-2;
 
 /// Finds the patches that deform too far.
 pub(super) fn kinematics<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
-    if model.components != N || model.exact.is_some() {
+    if model.components != N || model.has_exact() {
         return Vec::new();
     }
     let of = |k: usize| {

@@ -6,7 +6,7 @@ use crate::problem::state::StepState;
 
 /// Finds the ties and contacts with such sides.
 pub(super) fn left_open<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
-    if !model.exact.as_ref().is_some_and(|exact| exact.is_piecewise()) {
+    if !model.has_exact() || !model.patches.iter().any(|p| p.exact.as_ref().is_some_and(|exact| exact.is_piecewise())) {
         return Vec::new();
     }
     let ties = model.ties.iter().enumerate().filter(|(_, tie)| tie.exact.is_none());

@@ -24,8 +24,7 @@ pub(super) fn soft_penalties<const S: usize, const N: usize>(model: &Model<S, N>
     }
     let soft = |tie: &TieModel<S, N>| model.components == N && tie.parts.iter().any(|p| p.penalty.is_some());
     for (k, tie) in model.ties.iter().enumerate().filter(|(_, tie)| soft(tie)) {
-        let patches: Vec<usize> =
-            tie.parts.iter().flat_map(|p| p.pairings.iter().map(|m| m.master.patch).chain([p.slave.patch])).collect();
+        let patches: Vec<usize> = tie.parts.iter().flat_map(|p| p.pairings.iter().map(|m| m.master.patch).chain([p.slave.patch])).collect();
         let measure: f64 = tie.parts.iter().flat_map(|p| &p.pairings).map(|p| p.segments.measure()).sum();
         found.extend(warning(Subject::tie(model, k), tie.jumps(model, &state.u).0 / measure.sqrt(), &patches));
     }

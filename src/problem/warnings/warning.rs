@@ -221,14 +221,16 @@ pub enum Warning {
         /// The largest component of the displacement of these bodies \[length\].
         moved: f64,
     },
-    /// Pressures of a contact at points, lambda = sigma + γ g, of which γ g is more than 0.25 of the largest: the bodies' stress says otherwise.
+    /// Pressures of a contact at points, lambda = sigma + γ g, of which γ g is more than 0.15 of the largest: the bodies' stress says otherwise.
     GapPressure {
         /// The contact.
         of: Subject,
-        /// The pressure where both differ most \[force/area\].
+        /// The pressure where this part is largest \[force/area\].
         pressure: f64,
-        /// The normal stress of the bodies there, positive for compression \[force/area\].
-        stress: f64,
+        /// The part -γ g of it; the rest is the normal stress of the bodies \[force/area\].
+        from_gap: f64,
+        /// The gap g there \[length\].
+        gap: f64,
         /// The point.
         x: Vec<f64>,
     },

@@ -55,7 +55,7 @@ impl Reader {
         self.slaves(&interfaces, &contacts, &patches);
         self.iterations(&contacts);
         self.conditions(&boundaries, &patches, model.components());
-        self.exact_data(&boundaries, &model);
+        self.exact_data(&boundaries, &model, &patches);
         self.weight(&model, &materials, &patches);
 
         case = Case {

@@ -66,15 +66,7 @@ impl Reader {
         } else {
             self.word(b, "assumption", &[Assumption::PlaneStrain, Assumption::PlaneStress])
         };
-        let exact = b.node("exact").cloned().and_then(|node| {
-            let inner = self.block(&node, "`exact`", rows::EXACT)?;
-            let u = self.required(&inner, "u")?;
-            let field = self.field_of(&u, "exact.u", Uses::Space, n);
-            Some(field)
-        });
-        if b.has("exact") && exact.is_none() {
-            self.broken.insert("exact".to_owned());
-        }
+        let exact = self.exact(b, n);
         let source = self.source(b, poisson, n);
         if let (Some(_), Some(s)) = (&exact, &source) {
             self.fault(
@@ -89,6 +81,19 @@ impl Reader {
         let stored = reference.as_ref().and_then(|file| self.open_reference(file));
         self.absolute(b, "reference");
         Model { head: b.head(), physics, dimension, assumption, exact, source, gravity, reference, stored }
+    }
+
+    /// `exact`: a manufactured solution of `n` components.
+    pub fn exact(&mut self, b: &Block, n: usize) -> Option<Located<Vec<Located<Formula>>>> {
+        let exact = b.node("exact").cloned().and_then(|node| {
+            let inner = self.block(&node, "`exact`", rows::EXACT)?;
+            let u = self.required(&inner, "u")?;
+            Some(self.field_of(&u, "exact.u", Uses::Space, n))
+        });
+        if b.has("exact") && exact.is_none() {
+            self.broken.insert("exact".to_owned());
+        }
+        exact
     }
 
     /// `gravity` (elasticity).

@@ -42,7 +42,9 @@ impl Reader {
         let grade = self.grade(b, &elements);
         let poisson = model.physics.value == Physics::Poisson;
         let source = self.source(b, poisson, model.components());
-        if let (Some(_), Some(s)) = (&model.exact, &source) {
+        let exact = self.exact(b, model.components());
+        let other = model.source.as_ref().filter(|_| exact.is_some());
+        if let (Some(_), Some(s)) = (exact.as_ref().or(model.exact.as_ref()), source.as_ref().or(other)) {
             self.fault(
                 "E015",
                 s.at,
@@ -54,7 +56,7 @@ impl Reader {
         let closed = b.node("closed").cloned().and_then(|n| self.text_of(&n, "closed"));
         let glue = b.node("glue").cloned().and_then(|n| self.flag_of(&n, "glue").map(|glue| Located::new(glue, n.at)));
         let glue = glue.unwrap_or(Located::new(true, b.at));
-        Patch { head: b.head(), name, geometry, material, elements, refine, grade, discretization, source, gravity, closed, glue }
+        Patch { head: b.head(), name, geometry, material, elements, refine, grade, discretization, exact, source, gravity, closed, glue }
     }
 
     fn patch_material(&mut self, b: &mut Block, materials: &[Material]) -> Located<usize> {

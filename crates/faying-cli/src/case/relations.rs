@@ -210,7 +210,7 @@ impl Reader {
             .map(|g| (g, patches))
             .chain(patches.iter().filter_map(|p| Some((p.gravity.as_ref()?, std::slice::from_ref(p)))));
         for (gravity, patches) in all {
-            if model.exact.is_some() {
+            if patches.iter().any(|p| p.exact.as_ref().or(model.exact.as_ref()).is_some()) {
                 self.fault(
                     "E015",
                     gravity.at,
@@ -246,12 +246,13 @@ impl Reader {
         }
     }
 
-    /// Checks that data marked "exact" have `exact` in the model (E062).
-    pub fn exact_data(&mut self, boundaries: &[Boundary], model: &Model) {
+    /// Checks that data marked "exact" have `exact` in the model or in their patches (E062).
+    pub fn exact_data(&mut self, boundaries: &[Boundary], model: &Model, patches: &[Patch]) {
         if model.exact.is_some() || self.broken.contains("exact") {
             return;
         }
-        for b in boundaries {
+        let has_own = |b: &&Boundary| b.on.iter().all(|side| patches.get(side.value.patch).is_some_and(|p| p.exact.is_some()));
+        for b in boundaries.iter().filter(|b| !has_own(b)) {
             let data = b.dirichlet.iter().chain(&b.traction).flatten();
             let first = data.filter(|d| d.value == Datum::Exact).map(|d| d.at).next();
             if let Some(at) = first {

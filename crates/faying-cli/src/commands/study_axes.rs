@@ -185,8 +185,17 @@ impl Reader<'_> {
             return Ok(());
         }
         let what = if self.kind.needs_interface { self.kind.command } else { "a study of multipliers and integration" };
-        let fault = Diagnostic::error("E063", format!("{what} needs an interface or a contact, and the case has {}", if case.interfaces.is_empty() { "none" } else { "only glued sides" }));
-        Err(fault.with_help("add [[interface]] with slave and master; glued sides are not integrated over").in_file(&self.loaded.name).into())
+        let fault = Diagnostic::error(
+            "E063",
+            format!(
+                "{what} needs an interface or a contact, and the case has {}",
+                if case.interfaces.is_empty() { "none" } else { "only glued sides" }
+            ),
+        );
+        Err(fault
+            .with_help("add [[interface]] with slave and master; glued sides are not integrated over")
+            .in_file(&self.loaded.name)
+            .into())
     }
 
     /// E063 if the axes need a multiplier and no interface or contact of the case has one.

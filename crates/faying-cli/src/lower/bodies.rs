@@ -26,6 +26,11 @@ pub(super) fn supported<const S: usize, const N: usize>(
     }
     patches::say(builder, net, &mut problem, &mut places);
     builder.stop()?;
+    for (patch, body) in case.patches.iter().zip(&places.bodies) {
+        if let Some(exact) = &patch.exact {
+            problem.exact_in(*body, crate::formula::exact(&exact.value)).expect("a body of the problem");
+        }
+    }
     meshes::unshared(builder);
     // patches of files with several patches: their touching sides are glued
     let couples = couples::find(builder, &mut problem, &case.glued_files());

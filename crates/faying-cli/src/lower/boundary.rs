@@ -26,7 +26,7 @@ pub(super) fn say<const S: usize, const N: usize>(
     for number in 0..builder.case.boundaries.len() {
         let block = &builder.case.boundaries[number];
         let mut said = Block { builder, problem, places, number, block };
-        let (mut on, mut faults) = (Vec::with_capacity(block.on.len()), Vec::new());
+        let (mut on, mut rims, mut faults) = (Vec::with_capacity(block.on.len()), Vec::new(), Vec::new());
         for wanted in &block.on {
             // sides coupled to another side are not outer sides
             if block.all_outer && couples.hold(wanted.value.patch, &wanted.value.side) {
@@ -35,19 +35,17 @@ pub(super) fn say<const S: usize, const N: usize>(
             // a tag of a mesh may look like an edge or a corner
             let named = said.problem.bodies().nth(wanted.value.patch).is_some_and(|b| b.body().sides().contains(&wanted.value.side));
             let made = match meeting_sides(&wanted.value.side).filter(|_| !named) {
-                Some(names) => said.edge_or_corner(wanted, &names).map(|()| None),
-                None => said.side(wanted),
+                Some(names) => said.edge_or_corner(wanted, &names).map(|rim| rims.push(rim)),
+                None => said.side(wanted).map(|side| on.extend(side)),
             };
-            match made {
-                Ok(region) => on.extend(region),
-                Err(fault) => faults.push(*fault),
-            }
+            faults.extend(made.err().map(|fault| *fault));
         }
         if let Some(filter) = block.filter.as_ref().filter(|_| !on.is_empty()) {
             faults.extend(said.cut_facets(filter, &on));
         }
         faults.extend(on.iter().filter_map(|side| said.on_side(*side).err()).map(|fault| *fault));
-        faults.extend(said.on_all(&on).err().map(|fault| *fault));
+        let all = [&on[..], &rims].concat();
+        faults.extend(said.on_all(&all).err().map(|fault| *fault));
         builder.faults.items.extend(faults);
         if let (true, false, true, Some(filter)) = (on.is_empty(), block.on.is_empty(), !builder.faults.has_errors(), &block.filter) {
             let text = format!("no facet of the sides of \"{}\" has its centre where `{}` holds", block.name.value, filter.value.text());
@@ -113,24 +111,18 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
         })
     }
 
-    /// Says the conditions of an edge or a corner where the sides `names` meet.
-    fn edge_or_corner(&mut self, wanted: &Located<SideRef>, names: &[&str]) -> Result<(), Box<Diagnostic>> {
+    /// Says the conditions of an edge or a corner where the sides `names` meet, and returns it.
+    fn edge_or_corner(&mut self, wanted: &Located<SideRef>, names: &[&str]) -> Result<RegionId, Box<Diagnostic>> {
         let (block, patch) = (self.block, wanted.value.patch);
         let what = if names.len() == N { "corner" } else { "edge" };
         let an = if what == "edge" { "an edge" } else { "a corner" };
         let label = format!("{}.{}", self.builder.case.patches[patch].name.value, wanted.value.side);
         let loads = block.traction.iter().any(Option::is_some)
             || block.pressure.is_some()
-            || [&block.force, &block.spring, &block.rigid_force].into_iter().any(|list| list.iter().any(Option::is_some));
-        if let Some((_, force)) = each(&block.force).next().filter(|_| what == "corner") {
-            let text = format!("`force` in a corner, `{label}`, is not in this version");
-            return Err(Box::new(
-                self.error("E019", text, force.at).with_help("spread it over a side, or over the part that `where` keeps"),
-            ));
-        }
+            || [&block.spring, &block.rigid_force].into_iter().any(|list| list.iter().any(Option::is_some));
         if loads {
-            let text = format!("`{label}` is {an}; loads and springs act on sides");
-            return Err(Box::new(self.error("E015", text, wanted.at).with_help("name a side, or prescribe values by fix or dirichlet")));
+            let text = format!("`{label}` is {an}; it takes fix, dirichlet and force, other loads and springs act on sides");
+            return Err(Box::new(self.error("E015", text, wanted.at).with_help("name a side, or give `force`, the resultant")));
         }
         if let Some(at) = block.fix_normal.as_ref().or(block.fix_tangential.as_ref()).map(|f| f.at) {
             return Err(Box::new(
@@ -149,7 +141,8 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
                 Box::new(self.error("E021", text, wanted.at))
             }
         })?;
-        self.dirichlet(region)
+        self.dirichlet(region)?;
+        Ok(region)
     }
 
     /// Keeps the place of a statement, with its formula if it has one.
@@ -173,9 +166,11 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
         Ok(())
     }
 
-    /// The formula of the exact solution.
+    /// The formula of the exact solution in the first patch of the block.
     fn exact(&self, component: usize) -> Option<&'b Formula> {
-        self.builder.case.model.exact.as_ref()?.get(component).map(|f| &f.value)
+        let case = self.builder.case;
+        let own = self.block.on.first().and_then(|side| case.patches.get(side.value.patch)?.exact.as_ref());
+        own.or(case.model.exact.as_ref())?.get(component).map(|f| &f.value)
     }
 
     fn dirichlet(&mut self, region: RegionId) -> Result<(), Box<Diagnostic>> {
@@ -231,13 +226,13 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
         self.keep(made, at, "the value", None).map(|_| ())
     }
 
-    /// Says the resultants, spread evenly over all sides of the block, and that these move as one.
-    fn on_all(&mut self, sides: &[RegionId]) -> Result<(), Box<Diagnostic>> {
+    /// Says the resultants, spread evenly over all sides, edges or corners of the block, and that sides move as one.
+    fn on_all(&mut self, regions: &[RegionId]) -> Result<(), Box<Diagnostic>> {
         let block = self.block;
-        if sides.is_empty() || each(&block.force).chain(each(&block.rigid_force)).next().is_none() {
+        if regions.is_empty() || each(&block.force).chain(each(&block.rigid_force)).next().is_none() {
             return Ok(());
         }
-        let all = self.problem.union(sides.iter().map(|side| Region::from(*side)));
+        let all = self.problem.union(regions.iter().map(|region| Region::from(*region)));
         let all = all.map_err(|error| Box::new(self.error("E015", error.to_string(), block.head.at)))?;
         for (component, f) in each(&block.force) {
             let made = self.problem.force(all, component, f.value.clone());

@@ -124,7 +124,8 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
             let name = component_name(*component, components);
             let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" (line {line})"));
             let [own, other] = [0, 1].map(|k| error.names().get(k).map_or("?", String::as_str));
-            let text = format!("`{own}` moves as one along {name}, which `{other}`{line} prescribes in a part of it: the force has no effect");
+            let text =
+                format!("`{own}` moves as one along {name}, which `{other}`{line} prescribes in a part of it: the force has no effect");
             builder.error("E052", text, at).with_help("prescribe the component of the side itself, or leave it free where both sides meet")
         }
         ErrorKind::Contradiction { defect, t, changes } => {
@@ -138,6 +139,10 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
         ErrorKind::Glue(of_sides) => glue::fault(builder, at, error.names(), of_sides),
         ErrorKind::NoExact => {
             builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")
+        }
+        ErrorKind::ExactInPart => {
+            let text = format!("patch \"{}\" has no `exact`, and patch \"{}\" has one", error.names()[1], error.names()[0]);
+            builder.error("E062", text, at).with_help("give `exact` in every patch, or in [model] for those that have none of their own")
         }
         ErrorKind::Prescribed { error: conflict, t, changes } => {
             let first = said(0).map(|s| s.at).unwrap_or_default();

@@ -273,9 +273,13 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             let fault = Diagnostic::error("E062", format!("`{text}` needs `exact` {place}, or `reference` in [model]"));
             return Err(Box::new(fault.at(&self.case.source, at).with_help(help)));
         }
-        if let ["error", name @ .., "lambda", "L2"] | ["error", name @ .., "lambda", "L2", "rel"] = &path.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        if let ["error", name @ .., "lambda", "L2"] | ["error", name @ .., "lambda", "L2", "rel"] =
+            &path.iter().map(String::as_str).collect::<Vec<_>>()[..]
+        {
             let named = name.join(".");
-            if let Some(glued) = self.case.interfaces.iter().find(|t| t.coupling.value == "glue" && (name.is_empty() || t.name.value == named)) {
+            if let Some(glued) =
+                self.case.interfaces.iter().find(|t| t.coupling.value == "glue" && (name.is_empty() || t.name.value == named))
+            {
                 let text = format!("`{text}`: interface \"{}\" is glued and has no multiplier", glued.name.value);
                 return Err(Box::new(self.fault("E018", text, at).with_help("write coupling = \"mortar\" there")));
             }
@@ -301,7 +305,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         let words = words.strip_suffix(&["rel"]).unwrap_or(&words);
         let manufactured = "give a manufactured solution";
         match words {
-            ["error", "u", "L2" | "H1" | "energy"] if self.contents.exact().is_none() => Some(("in [model]".into(), manufactured)),
+            ["error", "u", "L2" | "H1" | "energy"] if !self.contents.has_exact() => Some(("in [model]".into(), manufactured)),
             ["error", name @ .., "lambda", "L2"] => {
                 let name = name.join(".");
                 let tie = self.contents.ties().any(|t| name.is_empty() || t.name() == name);

@@ -14,7 +14,7 @@ pub fn error_names<const S: usize, const N: usize>(built: &Built<S, N>) -> Vec<S
         names.push(format!("{name}.rel"));
     };
     let (contents, reference) = (built.system.contents(), built.reference.as_ref());
-    if contents.exact().is_some() || reference.is_some() {
+    if contents.has_exact() || reference.is_some() {
         for norm in ["L2", "H1", "energy"] {
             add(format!("error.u.{norm}"));
         }
@@ -35,7 +35,7 @@ fn measured<'a, const S: usize, const N: usize>(
     reference: Option<&Reference<S, N>>,
 ) -> Vec<InterfaceView<'a, S, N>> {
     let is_known = |of: &InterfaceView<'_, S, N>| {
-        !of.exact().is_empty() || contents.exact().is_some() || reference.is_some_and(|r| r.lambda_of(of.name()).is_some())
+        !of.exact().is_empty() || contents.has_exact() || reference.is_some_and(|r| r.lambda_of(of.name()).is_some())
     };
     contents.interfaces().filter(is_known).collect()
 }
@@ -52,7 +52,7 @@ pub fn errors<const S: usize, const N: usize>(solution: &Solution<S, N>, referen
         let bodies = contents.bodies().zip(&reference.patches);
         bodies.map(|(body, other)| solution.difference(body.id(), &other.rules, other).expect("a body of the solution")).collect()
     };
-    let bodies: Option<Vec<Errors>> = contents.exact().map(|exact| solution.errors(exact)).or_else(|| reference.map(stored));
+    let bodies: Option<Vec<Errors>> = contents.has_exact().then(|| solution.own_errors()).or_else(|| reference.map(stored));
     if let Some(bodies) = bodies {
         let sum = bodies.into_iter().fold(Errors::default(), Errors::hypot);
         add("error.u.L2".into(), sum.error.l2, sum.exact.l2);
@@ -63,7 +63,7 @@ pub fn errors<const S: usize, const N: usize>(solution: &Solution<S, N>, referen
     let mut total = SquaredError::default();
     for of in &known {
         // a stored lambda counts where nothing exact stands before it
-        let stored = reference.filter(|_| of.exact().is_empty() && contents.exact().is_none()).and_then(|r| r.lambda_of(of.name()));
+        let stored = reference.filter(|_| of.exact().is_empty() && !contents.has_exact()).and_then(|r| r.lambda_of(of.name()));
         let s = match stored {
             Some(stored) => difference(solution, of, stored),
             None => solution.lambda_error(of.id()).expect("a tie or contact of the solution"),

@@ -574,7 +574,6 @@ fn e019_every_key_of_the_contract_that_is_not_built() {
         (material, "c1 = 1.0", "`c1`"),
         (material, "c2 = 1.0", "`c2`"),
         (material, "bulk = 1.0", "`bulk`"),
-        (patch, "exact = { u = [\"x\", \"0\"] }", "`exact`"),
         (patch, "reaction = 2", "`reaction`"),
         (patch, "foundation = { x = 0, y = \"F\" }", "`foundation`"),
         (contact, "friction = 0.3", "`friction`"),

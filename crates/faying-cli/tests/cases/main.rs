@@ -3,6 +3,7 @@
 
 mod battery;
 mod case_files;
+mod exact_per_patch;
 mod extremes;
 mod lessons;
 mod loads;
@@ -10,6 +11,7 @@ mod magnitudes;
 mod mutated_files;
 mod mutated_runs;
 mod parity;
+mod point_loads;
 #[path = "../../../../tests/common/random.rs"]
 mod random;
 mod reference;

@@ -202,9 +202,8 @@ fn factors_of_nitsches_method_that_turn_rounding_into_pressure_are_told() {
     let most = |r: &RunResult| r.contact.get("c").unwrap().pressure.max;
     for factor in [1e6, 1e9, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e18] {
         let found = pressed(factor);
-        let is_right = found.status == Status::Ok
-            && (force(&found) / force(&right) - 1.0).abs() < 0.05
-            && most(&found) < 3.0 * most(&right);
+        let is_right =
+            found.status == Status::Ok && (force(&found) / force(&right) - 1.0).abs() < 0.05 && most(&found) < 3.0 * most(&right);
         assert!(is_right || found.status != Status::Ok || !found.warnings.is_empty(), "{factor:e}: {} {}", force(&found), most(&found));
     }
 }

@@ -161,10 +161,3 @@ fn loads_that_supports_carry_alone_are_refused_at_any_angle() {
         }
     }
 }
-
-#[test]
-fn what_acts_at_points_is_not_in_this_version() {
-    let found = refused(&square("iga", 1.0, 0.0, &[("bottom", "fix = [\"x\", \"y\"]"), ("u1v1", "force = { y = -1 }")]));
-    assert_eq!((found.len(), found[0].code, found[0].line), (1, "E019", Some(19)), "{found:?}");
-    assert!(found[0].message.contains("`b.u1v1`"), "{found:?}");
-}

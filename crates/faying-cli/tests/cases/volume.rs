@@ -245,7 +245,7 @@ fn data_on_an_edge_is_projected_along_it_and_must_agree_with_its_sides() {
     assert_eq!(found.items[0].code, "E052");
     let found = faults(&(case("a.w1v0", "exact").replace("dirichlet = \"exact\"", "neumann = 1") + held + "neumann = \"exact\"\n"));
     assert_eq!(found.items[0].code, "E015");
-    assert!(found.items[0].message.contains("is an edge; loads and springs act on sides"), "{}", found.items[0].message);
+    assert!(found.items[0].message.contains("is an edge; it takes fix, dirichlet and force"), "{}", found.items[0].message);
 }
 
 #[test]

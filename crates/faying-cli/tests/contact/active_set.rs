@@ -363,6 +363,31 @@ fn a_start_of_all_rows_needs_few_systems_where_nearly_all_are_right() {
 }
 
 // Multipliers by enumerating all sets of closed rows (numpy); whatever opens first leaves the block free.
+/// A box that covers three elements and a half of a side: every set from the first guess on leads back to one that was there.
+#[test]
+fn exchanges_from_the_best_set_may_come_through_the_one_that_closed_a_circle() {
+    for size in [1e-8, 1.0, 2.3e8] {
+        let point = |[x, y]: [f64; 2]| format!("[{:?}, {:?}]", x * size, y * size);
+        let corners = [[0.1976, 1.12], [0.1976, -0.0362], [-0.4471, -0.0362], [-0.4471, 1.12], [0.1976, 1.12]].map(point).join(", ");
+        let text = format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+             [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = {}, max = {} }}\nelements = [11, 3]\ndegree = 2\n\
+             [[boundary]]\non = [\"b.bottom\", \"b.right\"]\nfix = [\"x\", \"y\"]\n\
+             [[contact]]\nname = \"c\"\nslave = \"b.top\"\nmultiplier = \"p/p\"\n\
+             rigid = {{ kind = \"nurbs\", degree = 1, knots = [0, 0, 1, 2, 3, 4, 4], points = [{corners}] }}\n",
+            point([-1.0, -0.9555]),
+            point([1.0, 0.0])
+        );
+        for start in ["auto", "all", "none", "gap", "{ seed = 1 }"] {
+            let set = [format!("contact.c.active_set.start={start}")];
+            let finished = solved(&text, &set);
+            assert_eq!(finished.result.status, Status::Ok, "{size} {start}: {:?}", finished.result.diagnostics);
+            let kkt = &finished.result.contact.get("c").unwrap().kkt;
+            assert!(kkt.lambda < 1e-11 && kkt.gap < 1e-11 * size && kkt.product < 1e-11 * size, "{size} {start}: {kkt:?}");
+        }
+    }
+}
+
 #[test]
 fn a_block_between_leaning_planes_is_held_by_the_rows_that_are_needed() {
     let plane = |name: &str, side: &str, point: &str, normal: [f64; 2]| {

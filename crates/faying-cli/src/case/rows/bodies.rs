@@ -1,7 +1,7 @@
 //! `[[patch]]`: geometry, elements, functions.
 
 use super::common::{later, other_backend, word};
-use super::model::{BASIS, CELL, CONTINUITY, DEGREE, MAPPING, POINTS};
+use super::model::{BASIS, CELL, CONTINUITY, DEGREE, EXACT, MAPPING, POINTS};
 use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Special};
 use crate::case::names::EntryFamily;
 use crate::case::tree::Value;
@@ -50,7 +50,8 @@ pub(in crate::case) const PATCH: &[Key] = &[
         .only(ELASTIC),
     Key::new("closed", KeyKind::Word(&["u", "v", "w"]), "direction that closes on itself: a ring").optional("\"u\""),
     Key::new("glue", KeyKind::Flag, "whether touching sides of a file's patches are glued; default true").optional("false").only(OF_FILES),
-    later("exact", Plain::Never, "{}", "write exact in [model], for all patches; if(c, a, b) makes it piecewise"),
+    Key::of("exact", Special::Block(EXACT), "manufactured solution in this patch, instead of that of the model; it may jump between patches")
+        .optional("{ u = [\"x*y\", \"0\"] }"),
     later("reaction", Plain::Zero, "0", "leave it out, or write 0"),
     later("foundation", Plain::Zero, "0", "a `spring` of [[boundary]] acts on sides"),
 ];

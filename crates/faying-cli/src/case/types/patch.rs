@@ -151,6 +151,8 @@ pub struct Patch {
     pub grade: Option<Located<Vec<Option<Grading>>>>,
     /// Degree, backend, ...: the patch's own or the defaults.
     pub discretization: Discretization,
+    /// Manufactured solution in this patch, instead of that of the model.
+    pub exact: Option<Located<Vec<Located<Formula>>>>,
     /// Body force or source of this patch, beside that of the model, one formula per component.
     pub source: Option<Located<Vec<Located<Formula>>>>,
     /// Acceleration of this patch, beside that of the model; needs a density.

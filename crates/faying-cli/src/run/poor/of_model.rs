@@ -72,7 +72,7 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, 
             );
             let help = "a solution has a continuous flux (sigma n, k du/dn) across every line inside and every tie; choose the pieces so that it is, \
                         or give source and data instead of `exact`";
-            ("E017", text, case.model.exact.as_ref()?.at, help.into())
+            ("E017", text, case.exact_at()?, help.into())
         }
         _ => return None,
     };

@@ -2,7 +2,7 @@
 
 use crate::case::Case;
 use crate::errors::Diagnostic;
-use crate::words::{percent, short};
+use crate::words::{percent, place, short};
 use faying::problem::{Subject, SubjectKind, Warning};
 
 /// Moduli that differ by less are not named.
@@ -42,7 +42,7 @@ pub fn diagnostic(case: &Case, warning: &Warning) -> Option<Diagnostic> {
         Warning::LeftOpen { .. } => (
             "E017",
             format!("{}: error.{name}.lambda.L2 has no value", left_open(name)),
-            case.model.exact.as_ref()?.at,
+            case.exact_at()?,
             "take more elements along the side, mapping = \"exact\" or backend = \"iga\", or give lambda as `exact` of the interface",
         ),
         _ => {
@@ -99,13 +99,14 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             };
             (text, help)
         }
-        Warning::GapPressure { pressure, stress, x, .. } => (
+        Warning::GapPressure { pressure, from_gap, gap, x, .. } => (
             format!(
-                "the pressure of contact \"{name}\" at points is not the stress of its bodies: {} at ({}), where the stress is {}; its force is a \
-                 mean and less affected",
+                "the pressure of contact \"{name}\" at points is not the stress of its bodies: at {} {} of {} is the factor times a gap of {}; its \
+                 force, a mean, is less affected",
+                place(x),
+                short(*from_gap),
                 short(*pressure),
-                x.iter().map(|v| short(*v)).collect::<Vec<_>>().join(", "),
-                short(*stress)
+                short(*gap)
             ),
             "write method = \"lagrange\"; or mapping = \"exact\" or smaller elements where sides are curved, or a smaller `factor`",
         ),

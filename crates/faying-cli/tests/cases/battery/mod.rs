@@ -62,6 +62,12 @@ fn end(trial: &Trial, folder: &Path) -> Result<End, String> {
     };
     let result = match Case::read(file.to_str().unwrap()).and_then(|case| case.run(&Registry::default())) {
         Ok(result) => result,
+        // the weights of a cone are those of a quadrature at its points: on few elements some are zero, and no sign of the pressure follows
+        Err(faults)
+            if trial.text.contains("cone = ") && faults.items.iter().all(|d| d.code == "E064" && d.message.contains("in this cone")) =>
+        {
+            return Ok(End::Refused);
+        }
         Err(faults) => return refused(messages(&faults)),
     };
     if result.exit != 0 {
