@@ -159,12 +159,16 @@ impl<const N: usize, T: Real, F: Fn(&Vector<N, T>) -> (T, Vector<N, T>) + Send +
                         break;
                     }
                 }
+                // rounding of f may hide what shorter steps gain
+                if residual.norm() <= distance * lit(GOOD_ENOUGH) {
+                    return Some((y, normal));
+                }
                 scale *= lit(0.25);
             }
             let Some((next, n, left)) = moved else {
                 // the distance is off by the square of the tangential part over twice the distance
                 let off = residual.norm();
-                return (off <= distance * lit(GOOD_ENOUGH) || off * off <= distance * small * lit(2.0)).then_some((y, normal));
+                return (off * off <= distance * small * lit(2.0)).then_some((y, normal));
             };
             let (way, change) = (next - y, residual - left);
             let quotient = way.norm_squared() / way.dot(&change);

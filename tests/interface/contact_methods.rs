@@ -122,8 +122,8 @@ fn faults_of_a_method_are_found_and_named() {
         (Faulty::NothingSaid, "the patch test"),
         (Faulty::TooFewRows, "multiplier functions"),
         (Faulty::NoMultiplier, "there is no multiplier"),
-        (Faulty::NoOffset, "row 1: the offset is NaN"),
-        (Faulty::NoWeight, "row 1 faces something and has the weight NaN"),
+        (Faulty::NoOffset, "the offset NaN of row 1"),
+        (Faulty::NoWeight, "the weight NaN of row 1"),
         (Faulty::NoCompliance, "row 0 has the compliance NaN"),
     ] {
         let error = contact_method(Arc::new(fault)).expect_err("a fault");
@@ -249,7 +249,7 @@ fn a_method_with_too_few_compliances_is_an_error_of_the_step() {
 
 #[test]
 fn rows_of_a_method_that_are_no_numbers_are_errors() {
-    for fault in [Faulty::NoOffset, Faulty::NoCompliance] {
+    for fault in [Faulty::NoOffset, Faulty::NoWeight, Faulty::NoCompliance] {
         let error = pressed([Arc::new(Lagrange), Arc::new(fault)]).expect_err("a fault").to_string();
         assert!(error.contains("NaN") || error.contains("not finite"), "{fault:?}: {error}");
     }

@@ -102,6 +102,10 @@ impl Display for Warning {
                 let [pressure, from_gap, gap] = [pressure, from_gap, gap].map(|v| digits(*v));
                 write!(f, "pressures of {of} at points are not the stress: at {} {from_gap} of {pressure} is from a gap of {gap}", place(x))
             }
+            Self::WavyFacets { of, height, wave, pressure } => {
+                let [height, wave, pressure] = [height, wave, pressure].map(|v| digits(*v));
+                write!(f, "pressures of {of} at points have waves of {wave}, of {pressure}: its facets leave their surface by {height}")
+            }
             Self::Kinematics { of, strain, rotation, allowed } => {
                 write!(f, "{of} deforms too far for small kinematics")?;
                 let beyond = [(strain, "strains"), (rotation, "rotations")].into_iter().filter_map(|(b, word)| b.map(|b| (b, word)));

@@ -2,12 +2,25 @@
 //!
 //! P = sigma + γ g: where a contact is closed, g is zero in the limit, and P the stress. γ g is what the size of the elements, facets that
 //! leave the surface they stand for, and rounding of the gap times γ put into P. The force, a mean, hardly knows of it; values at points do.
+//!
+//! Facets are waves of the height a of their sag over the length L of an element, and points see them as they are: pressed flat, a wave has
+//! the pressure
+//!
+//! ```text
+//! π E* a / L,   1/E* = 1/E_slave + 1/E_master
+//! ```
+//!
+//! (K. L. Johnson, Contact Mechanics, Cambridge 1985, section 13.2), which is told where it is more than the same share of the pressure.
+//! Multipliers of fewer functions than there are points see its mean.
 
 use super::warning::{Subject, Warning};
-use crate::problem::model::Model;
+use crate::geometry::{Bounds, Geometry};
+use crate::problem::model::{BodySide, ContactPart, Model};
 use crate::problem::state::StepState;
+use crate::problem::touching::sag;
+use std::f64::consts::PI;
 
-/// Largest |γ g|, as a share of the largest pressure, without a warning.
+/// Largest |γ g|, or pressure of a wave, as a share of the largest pressure, without a warning.
 const LARGEST: f64 = 0.15;
 
 /// Finds the contacts whose pressures at points are so far from the stress.
@@ -28,7 +41,29 @@ pub(super) fn gap_pressures<const S: usize, const N: usize>(model: &Model<S, N>,
         }
         if let Some((from_gap, gap, pressure, x)) = worst {
             found.push(Warning::GapPressure { of: Subject::contact(model, k), pressure, from_gap: -from_gap, gap, x });
+        } else if largest > 0.0 {
+            let waves = contact.parts.iter().map(|part| wave(model, part, state.t));
+            let (wave, height) = waves.fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
+            if wave > LARGEST * largest {
+                found.push(Warning::WavyFacets { of: Subject::contact(model, k), height, wave, pressure: largest });
+            }
         }
     }
     found
+}
+
+/// Largest pressure that flattens the waves of the facets of both sides [force/area], and their height [length]; zero against obstacles.
+fn wave<const S: usize, const N: usize>(model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> (f64, f64) {
+    let slope = |side: &BodySide<S, N>| {
+        let (sag, space) = (sag(&model.patches, side), &*side.trace.space);
+        let of = |e: usize| (sag.of_facet(e) / space.bounds(e).diagonal(), sag.of_facet(e));
+        (0..space.num_elements()).map(of).fold((0.0, 0.0), |a: (f64, f64), b| if b.0 > a.0 { b } else { a })
+    };
+    let stiffness = |side: &BodySide<S, N>| {
+        let patch = &model.patches[side.patch];
+        patch.physics_at(t).modulus(&side.trace.space.extent().map_or(model.center, |b: Bounds<N>| b.center()))
+    };
+    let soft = part.masters.iter().map(|m| 1.0 / stiffness(m)).fold(0.0, f64::max) + 1.0 / stiffness(&part.slave);
+    let (slopes, heights) = part.masters.iter().map(|m| slope(m)).fold(slope(&part.slave), |a, b| (a.0 + b.0, a.1 + b.1));
+    if part.masters.is_empty() { (0.0, 0.0) } else { (PI * slopes / soft, heights) }
 }

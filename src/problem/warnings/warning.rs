@@ -234,6 +234,17 @@ pub enum Warning {
         /// The point.
         x: Vec<f64>,
     },
+    /// Facets of sides that points see as waves: flattening them takes more than 0.15 of the largest pressure of a contact.
+    WavyFacets {
+        /// The contact.
+        of: Subject,
+        /// Height of the waves, the sum of the greatest deviations of both sides \[length\].
+        height: f64,
+        /// The pressure that flattens them \[force/area\].
+        wave: f64,
+        /// The largest pressure \[force/area\].
+        pressure: f64,
+    },
     /// Strains or rotations beyond 0.1 in more than 1e-2 of a body: small kinematics do not hold.
     Kinematics {
         /// The body.
@@ -266,6 +277,7 @@ impl Warning {
             | Self::LostMoment { of, .. }
             | Self::SoftPenalty { of, .. }
             | Self::GapPressure { of, .. }
+            | Self::WavyFacets { of, .. }
             | Self::Kinematics { of, .. } => Some(of),
             Self::CornerValues { .. } | Self::FacetsApart(_) | Self::Inexact(_) => None,
         }

@@ -161,14 +161,15 @@ fn forces_that_act_on_supports_or_on_regions_of_two_kinds_are_refused() {
         assert!(found.items.len() == 1 && found.items[0].code == code && found.items[0].message.contains(part), "{more}: {found:?}");
         assert!(found.items[0].line.is_some() && found.items[0].help.is_some() || code == "E015", "{found:?}");
     };
+    let held = |component: &str| format!("[[boundary]]\non = \"b.u1v1\"\nfix = [\"{component}\"]\n");
     refused(&on("\"b.u0v1\"", "force = { y = 1 }"), "E052", "component y of `b.u0v1` is loaded, and prescribed");
-    refused(&(on("\"b.u1v1\"", "fix = [\"y\"]") + &on("\"b.u1v1\"", "force = { y = 1 }")), "E052", "component y of `b.u1v1` is loaded");
+    refused(&(held("y") + &on("\"b.u1v1\"", "force = { y = 1 }")), "E052", "component y of `b.u1v1` is loaded");
     refused(&on("[\"b.u1\", \"b.u1v1\"]", "force = { y = 1 }"), "E015", "a force is spread over sides, over edges or over corners");
     refused(&on("\"b.u1v1\"", "force = { y = \"1/(x - 2)\" }"), "E017", "b.u1v1");
     refused(&on("\"b.u1v1\"", "spring = { y = 1 }"), "E015", "it takes fix, dirichlet and force");
     // what is held along x takes a force along y
-    let held = text(&(on("\"b.u1v1\"", "fix = [\"x\"]") + &on("\"b.u1v1\"", "force = { y = 1 }")));
-    near(run(&held).loads.get("b-u1v1").unwrap().force[1], 1.0, 1e-14);
+    let beside = text(&(held("x") + &on("\"b.u1v1\"", "force = { y = 1 }")));
+    near(run(&beside).loads.get("b-u1v1").unwrap().force[1], 1.0, 1e-14);
 }
 
 /// A source in a corner: all of it flows out through the sides that are held.
@@ -177,7 +178,7 @@ fn a_source_in_a_corner_flows_out() {
     for backend in BACKENDS {
         let text = String::from("[model]\nphysics = \"poisson\"\ndimension = 2\n")
             + &block("b", "0, 0", "2, 1", "3, 2", backend)
-            + &on("\"b.u0\"", "fix = true")
+            + &on("\"b.u0\"", "fix = [\"u\"]")
             + &on("\"b.u1v1\"", "force = 3");
         let result = run(&text);
         let out = result.reactions.get("b.u0").or(result.reactions.get("b.left")).unwrap();

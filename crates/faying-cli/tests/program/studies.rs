@@ -341,7 +341,7 @@ fn the_integration_study_has_its_defaults_and_needs_an_interface() {
     let at = folder(&glued);
     let (exit, document) = told(at.path(), &["quadrature", "a.toml", "--levels", "1"]);
     assert_eq!((exit, document["diagnostics"][0]["code"].as_str()), (3, Some("E063")), "{document}");
-    let at = folder(&(glued + "[[check]]\nquantity = \"error.seam.lambda.L2\"\nmax = 1\n"));
+    let at = folder(&(glued + "[[check]]\nquantity = \"error.seam.lambda.L2\"\nbelow = 1\n"));
     let (exit, document) = told(at.path(), &["run", "a.toml"]);
     assert_eq!((exit, document["diagnostics"][0]["code"].as_str()), (3, Some("E018")), "{document}");
     assert!(document["diagnostics"][0]["message"].as_str().unwrap().contains("is glued and has no multiplier"), "{document}");

@@ -110,6 +110,16 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             ),
             "write method = \"lagrange\"; or mapping = \"exact\" or smaller elements where sides are curved, or a smaller `factor`",
         ),
+        Warning::WavyFacets { height, wave, pressure, .. } => (
+            format!(
+                "the pressure of contact \"{name}\" at points has waves of about {} beside {}: facets leave the surface that they stand for by {}; \
+                 its force, a mean, is less affected",
+                short(*wave),
+                short(*pressure),
+                short(*height)
+            ),
+            "write mapping = \"exact\", or method = \"lagrange\", or take smaller elements or a higher degree where sides are curved",
+        ),
         _ => return None,
     })
 }
