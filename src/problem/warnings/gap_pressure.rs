@@ -11,7 +11,7 @@
 //! ```
 //!
 //! (K. L. Johnson, Contact Mechanics, Cambridge 1985, section 13.2), which is told where it is more than the same share of the pressure.
-//! Multipliers of fewer functions than there are points see its mean.
+//! Multipliers of fewer functions, such as p/p-2, see its mean.
 
 use super::warning::{Subject, Warning};
 use crate::geometry::{Bounds, Geometry};
@@ -26,10 +26,10 @@ const LARGEST: f64 = 0.15;
 /// Finds the contacts whose pressures at points are so far from the stress.
 pub(super) fn gap_pressures<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
     let mut found = Vec::new();
-    for (k, (contact, built)) in model.contacts.iter().zip(&state.contacts).enumerate().filter(|(_, (c, _))| c.method.needs().fluxes) {
+    for (k, (contact, built)) in model.contacts.iter().zip(&state.contacts).enumerate() {
         let largest = contact.parts.iter().flat_map(|part| &state.lambda[part.rows()]).fold(0.0_f64, |m, l| m.max(-l));
         let mut worst: Option<(f64, f64, f64, Vec<f64>)> = None;
-        for (part, rows) in contact.parts.iter().zip(built) {
+        for (part, rows) in contact.parts.iter().zip(built).filter(|_| contact.method.needs().fluxes) {
             let Some(row) = rows.row_of_points() else { continue };
             let gaps = part.point_gaps(model, rows, &state.u);
             for (q, &j) in row.iter().enumerate().filter(|(_, j)| state.active[part.first_row + **j]) {
@@ -42,7 +42,7 @@ pub(super) fn gap_pressures<const S: usize, const N: usize>(model: &Model<S, N>,
         if let Some((from_gap, gap, pressure, x)) = worst {
             found.push(Warning::GapPressure { of: Subject::contact(model, k), pressure, from_gap: -from_gap, gap, x });
         } else if largest > 0.0 {
-            let waves = contact.parts.iter().map(|part| wave(model, part, state.t));
+            let waves = contact.parts.iter().filter(|part| sees_waves(part)).map(|part| wave(model, part, state.t));
             let (wave, height) = waves.fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
             if wave > LARGEST * largest {
                 found.push(Warning::WavyFacets { of: Subject::contact(model, k), height, wave, pressure: largest });
@@ -50,6 +50,14 @@ pub(super) fn gap_pressures<const S: usize, const N: usize>(model: &Model<S, N>,
         }
     }
     found
+}
+
+/// Whether lambda belongs to points, or has as many functions as a side of degree 2 and more, but for the lowered ones: these follow waves
+/// within an element.
+fn sees_waves<const S: usize, const N: usize>(part: &ContactPart<S, N>) -> bool {
+    let Some(psi) = &part.multiplier else { return true };
+    let (ends, functions) = (2 * S, part.slave.trace.space.num_functions());
+    part.slave.degree() >= 2 && psi.num_functions() + ends >= functions && psi.num_functions() > part.slave.trace.space.num_elements()
 }
 
 /// Largest pressure that flattens the waves of the facets of both sides [force/area], and their height [length]; zero against obstacles.

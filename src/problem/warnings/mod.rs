@@ -17,7 +17,7 @@
 //! | `coarse_zone` | forces and extents of zones that few functions of the slave carry |
 //! | `lost_moment` | moments that ties across a gap lose |
 //! | `soft_penalty` | places of bodies that a soft penalty lets sink into each other |
-//! | `gap_pressure` | pressures at points that come from gaps and not from the stress of the bodies |
+//! | `gap_pressure` | pressures at points that come from gaps, or from waves of facets, and not from the stress of the bodies |
 //! | `kinematics` | all, where bodies deform too far for small kinematics |
 //!
 //! Loads, springs, prescribed values and moduli that jump inside of elements or have no bound are found by [`Model::inexact_integrals`].

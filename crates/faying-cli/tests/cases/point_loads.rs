@@ -163,7 +163,7 @@ fn forces_that_act_on_supports_or_on_regions_of_two_kinds_are_refused() {
     };
     let held = |component: &str| format!("[[boundary]]\non = \"b.u1v1\"\nfix = [\"{component}\"]\n");
     refused(&on("\"b.u0v1\"", "force = { y = 1 }"), "E052", "component y of `b.u0v1` is loaded, and prescribed");
-    refused(&(held("y") + &on("\"b.u1v1\"", "force = { y = 1 }")), "E052", "component y of `b.u1v1` is loaded");
+    refused(&(held("y") + &on("\"b.u1v1\"", "force = { y = 1 }")), "E052", "`b.u1v1` has two conditions for component y");
     refused(&on("[\"b.u1\", \"b.u1v1\"]", "force = { y = 1 }"), "E015", "a force is spread over sides, over edges or over corners");
     refused(&on("\"b.u1v1\"", "force = { y = \"1/(x - 2)\" }"), "E017", "b.u1v1");
     refused(&on("\"b.u1v1\"", "spring = { y = 1 }"), "E015", "it takes fix, dirichlet and force");
