@@ -7,7 +7,7 @@ use faying::linalg::{Matrix, Vector, measure};
 use faying::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 use faying::space::FunctionSpace;
 use std::f64::consts::PI;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A surface over the unit square: position, first derivatives by a and b, second ones by aa, ab, bb.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -122,6 +122,8 @@ pub struct Patch {
     pub outward: Option<f64>,
     /// Heights of the vertices of flat facets, in place of those of the shape.
     pub heights: Option<Vec<f64>>,
+    /// Functions and nodes of the facets of every element, made when they are first asked for.
+    nodal: OnceLock<Vec<(Arc<Unstructured<2>>, Vec<Vector<3>>)>>,
 }
 
 impl Patch {
@@ -159,6 +161,7 @@ impl Patch {
             facet_degree: 0,
             outward: None,
             heights: None,
+            nodal: OnceLock::new(),
         }
     }
 
@@ -247,9 +250,14 @@ impl Elements for Patch {
 impl Geometry<2, 3> for Patch {
     fn map(&self, element: usize, xi: &[Vector<2>], order: Order, table: &mut MapTable<2, 3>) {
         table.reset(xi.len(), order);
-        let facet = (self.facet_degree > 0).then(|| self.nodal(element));
+        let made = || {
+            let basis = [4, 3].map(|n| Unstructured::lagrange(self.facet_degree, one_cell(n)));
+            let [square, triangle] = basis.map(Arc::new);
+            (0..self.num_elements()).map(|e| self.nodal(e, if self.cell(e) == Cell::Tensor { &square } else { &triangle })).collect()
+        };
+        let facet = (self.facet_degree > 0).then(|| &self.nodal.get_or_init(made)[element]);
         for (q, xi) in xi.iter().enumerate() {
-            let [x, d1, d2, d11, d12, d22] = match &facet {
+            let [x, d1, d2, d11, d12, d22] = match facet {
                 None => self.exact(element, xi),
                 Some((basis, nodes)) => interpolated(basis, nodes, xi),
             };
@@ -280,13 +288,9 @@ impl Geometry<2, 3> for Patch {
 
 impl Patch {
     /// The functions of one cell and the points of the surface at their nodes.
-    fn nodal(&self, element: usize) -> (Unstructured<2>, Vec<Vector<3>>) {
+    fn nodal(&self, element: usize, basis: &Arc<Unstructured<2>>) -> (Arc<Unstructured<2>>, Vec<Vector<3>>) {
         let kind = self.cell(element);
-        let count = if kind == Cell::Tensor { 4 } else { 3 };
-        let ids: Vec<usize> = (0..count).collect();
-        let one = Arc::new(Topology::new(vec![kind], ids));
-        let basis = Unstructured::lagrange(self.facet_degree, one);
-        let (p, mut nodes) = (self.facet_degree, vec![Vector::<3>::zeros(); Basis::<2>::num_functions(&basis)]);
+        let (p, mut nodes) = (self.facet_degree, vec![Vector::<3>::zeros(); Basis::<2>::num_functions(&**basis)]);
         // nodes by solving: the points where the functions are one and zero are those of an equidistant lattice for p = 1, 2
         assert!(p <= 2, "facets of degree 1 and 2");
         let (mut table, mut active) = (ShapeTable::new(), Vec::new());
@@ -303,8 +307,14 @@ impl Patch {
                 nodes[active[k]][2] = heights[self.topology.corners(element)[corner]];
             }
         }
-        (basis, nodes)
+        (Arc::clone(basis), nodes)
     }
+}
+
+/// One cell with this number of corners.
+fn one_cell(corners: usize) -> Arc<Topology<2>> {
+    let kind = if corners == 4 { Cell::Tensor } else { Cell::Simplex };
+    Arc::new(Topology::new(vec![kind], (0..corners).collect()))
 }
 
 fn interpolated(basis: &Unstructured<2>, nodes: &[Vector<3>], xi: &Vector<2>) -> Jet {

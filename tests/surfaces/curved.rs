@@ -19,7 +19,6 @@ fn both_columns_and_tilings_on_one_surface() {
     for shape in SHAPES {
         for kinds in [[false, false], [false, true], [true, false], [true, true]] {
             let found = pair(shape, kinds, [4, 5], 8, 2);
-            println!("{shape:?} {kinds:?} {found:?}");
             assert_eq!(found.open, 0, "{shape:?} {kinds:?}: {found:?}");
             assert!(found.tiling < 1e-11 && found.outside < 1e-6, "{shape:?} {kinds:?}: {found:?}");
             assert!(found.master < 1e-10 && found.slave < 1e-10, "{shape:?} {kinds:?}: {found:?}");

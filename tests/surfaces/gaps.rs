@@ -30,7 +30,6 @@ fn columns_across_gaps_are_those_of_the_closed_forms() {
                 };
                 let of = |x: &Vector<3>| if stretch.is_nan() { torus(x) } else { stretch };
                 let found = measured(&facing(8), [&slave, &master], 2, &of).unwrap();
-                println!("{:?} {kinds:?} {gap} {found:?}", slave.shape);
                 assert!(found.tiling < 1e-11, "{:?} {kinds:?} {gap}: {found:?}", slave.shape);
                 assert!(found.master < 1e-9, "{:?} {kinds:?} {gap}: {found:?}", slave.shape);
                 assert!(found.outside < 1e-6, "{:?} {kinds:?} {gap}: {found:?}", slave.shape);
@@ -49,7 +48,6 @@ fn a_flat_slave_above_a_sphere_has_the_columns_of_its_closest_points() {
                 Patch::grid(Shape::Plane, [8, 8], kinds[0], |a, b| [3.0 * h * (a - 0.5), 3.0 * h * (b - 0.5)]).moved(0.0, [0.0, 0.0, h]);
             let master = Patch::grid(Shape::Sphere(1.0, 1.2), [4, 5], kinds[1], |a, b| [a, b]).warped(-0.06);
             let found = measured(&facing(9), [&slave, &master], 2, &|x| h * h / x[2].powi(3)).unwrap();
-            println!("{kinds:?} {gap} {found:?}");
             assert!(found.tiling < 1e-11 && found.master < 1e-9, "{kinds:?} {gap}: {found:?}");
         }
     }

@@ -9,51 +9,151 @@
 //! if its Jacobian is positive at all points; other regions by a fan of sectors x(r, t) = a + r (c(t) - a) with the weight
 //! r (c - a) x c' dr dt, about an apex from which no sector is turned over. A region without such an apex is cut in halves. Every map takes
 //! n x n Gauss points. The fan and Coons' map of one region differ by their quadrature errors alone: both carry the boundary's polynomials.
+//!
+//! Functions of a collapsed cell are smooth along every line into its pole and in the angle about it, not in the plane. So a region with
+//! a corner at a pole is filled by triangles with that corner, and one that is near a pole is halved towards it.
 
 use super::clip::{halved, simplified};
 use super::piece::{LineRule, Piece, area, wedge};
+use super::region_maps::{at_pole, coons, sector};
 use crate::linalg::Vector;
 
 /// Sectors and regions below this share of the cell are dropped.
 const NOTHING: f64 = 1e-15;
 /// Sectors of less than this share of the region are dropped.
 const NO_SECTOR: f64 = 1e-12;
-/// Least product of the sides at a corner of a Coons map, as a share of the area.
-const CORNER: f64 = 0.03;
 /// Deepest cutting of a region.
 const DEPTH: usize = 10;
 /// Grid of apices.
 const APICES: usize = 7;
+/// A corner this near to a pole is at it.
+const AT_POLE: f64 = 1e-11;
+/// Pieces of triangles at a pole that are longer than this, in units of their distance, are halved.
+const WIDE: f64 = 1.2;
+/// Halvings of such pieces, and of regions near a pole.
+const POLE_DEPTH: usize = 8;
 
 /// Points and weights of a region, in the chart.
 pub(super) type Points = Vec<(Vector<2>, f64)>;
 
-/// Appends the points of a region; returns the area that could not be filled.
-pub(super) fn fill(chain: &[Piece], rule: &LineRule, out: &mut Points) -> f64 {
-    filled(chain, rule, DEPTH, out)
+/// Appends the points of a region, given the poles of its two facets in the chart; returns the area that could not be filled.
+pub(super) fn fill(chain: &[Piece], poles: &[Vector<2>], rule: &LineRule, out: &mut Points) -> f64 {
+    filled(chain, poles, rule, if poles.is_empty() { DEPTH } else { DEPTH + 2 * POLE_DEPTH }, out)
 }
 
-fn filled(chain: &[Piece], rule: &LineRule, depth: usize, out: &mut Points) -> f64 {
+fn filled(chain: &[Piece], poles: &[Vector<2>], rule: &LineRule, depth: usize, out: &mut Points) -> f64 {
     let whole = area(chain);
     if whole <= NOTHING {
         return 0.0;
     }
-    if chain.len() == 4 && coons(chain, whole, rule, out) {
-        return 0.0;
-    }
-    if let Some(apex) = apex(chain, whole, rule) {
-        for piece in chain.iter().filter(|piece| piece.area(&apex) > NO_SECTOR * whole) {
-            sector(&apex, piece, rule, out);
+    let cut = match beside(chain, poles) {
+        Beside::Nothing => {
+            if chain.len() == 4 && coons(chain, whole, rule, out) {
+                return 0.0;
+            }
+            if let Some(apex) = apex(chain, whole, rule) {
+                for piece in chain.iter().filter(|piece| piece.area(&apex) > NO_SECTOR * whole) {
+                    sector(&apex, piece, rule, out);
+                }
+                return 0.0;
+            }
+            longest(chain)
         }
-        return 0.0;
-    }
+        Beside::Near => longest(chain),
+        Beside::Corner(start) => {
+            if around_pole(chain, start, whole, rule, out) {
+                return 0.0;
+            }
+            // across the way from the pole, in the middle
+            let (pole, middle) = (chain[start].from(), mean(chain));
+            let away = (middle - pole).try_normalize(0.0).unwrap_or_else(|| longest(chain).0);
+            let far = chain.iter().map(|piece| away.dot(&(piece.from() - pole))).fold(0.0, f64::max);
+            (away, away.dot(&pole) + 0.5 * far)
+        }
+    };
     if depth == 0 {
         return whole;
     }
+    [1.0, -1.0].iter().map(|&sign| filled(&half(chain, &(cut.0 * sign), cut.1 * sign), poles, rule, depth - 1, out)).sum()
+}
+
+/// How a region lies to the poles.
+enum Beside {
+    Nothing,
+    /// Near one that is no corner, or at several: to be halved.
+    Near,
+    /// At one, from which this piece leads away.
+    Corner(usize),
+}
+
+fn beside(chain: &[Piece], poles: &[Vector<2>]) -> Beside {
     let (lo, hi) = extent(chain);
-    let axis = if hi[0] - lo[0] >= hi[1] - lo[1] { 0 } else { 1 };
-    let middle = 0.5 * (lo[axis] + hi[axis]);
-    [1.0, -1.0].iter().map(|&sign| filled(&half(chain, axis, middle, sign), rule, depth - 1, out)).sum()
+    let size = (hi - lo).amax();
+    let starts: Vec<usize> = (0..chain.len()).filter(|&k| poles.iter().any(|pole| (chain[k].from() - pole).amax() <= AT_POLE)).collect();
+    let is_near = |pole: &&Vector<2>| {
+        let nearest = chain.iter().map(|piece| distance_to(piece, pole)).fold(f64::INFINITY, f64::min);
+        nearest > AT_POLE && nearest < 0.5 * size
+    };
+    let may_halve = size > 0.5f64.powi(POLE_DEPTH as i32);
+    match starts[..] {
+        _ if may_halve && (starts.len() > 1 || poles.iter().any(|pole| is_near(&pole))) => Beside::Near,
+        [] => Beside::Nothing,
+        [start, ..] => Beside::Corner(start),
+    }
+}
+
+/// Distance of a point to the chord of a piece.
+fn distance_to(piece: &Piece, x: &Vector<2>) -> f64 {
+    let (a, along) = (piece.from(), piece.to() - piece.from());
+    let square = along.norm_squared();
+    let t = if square > 0.0 { ((x - a).dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
+    (a + along * t - x).norm()
+}
+
+/// Fills a region by triangles with a corner at the pole from which the piece `start` leads away.
+fn around_pole(chain: &[Piece], start: usize, whole: f64, rule: &LineRule, out: &mut Points) -> bool {
+    let n = chain.len();
+    let (first, last, pole) = (chain[start], chain[(start + n - 1) % n].reversed(), chain[start].from());
+    if n < 3 || first.from() != last.from() {
+        return false;
+    }
+    let mut far = Vec::new();
+    for k in 1..n - 1 {
+        narrow(chain[(start + k) % n], &pole, POLE_DEPTH, &mut far);
+    }
+    let from = out.len();
+    for (k, piece) in far.iter().enumerate() {
+        let left = if k == 0 { first } else { Piece::Line(pole, piece.from()) };
+        let right = if k + 1 == far.len() { last } else { Piece::Line(pole, piece.to()) };
+        let is_nothing = !(left.is_curve() || right.is_curve() || piece.is_curve()) && piece.area(&pole).abs() <= NO_SECTOR * whole;
+        if !is_nothing && !at_pole(&left, piece, &right, rule, out) {
+            out.truncate(from);
+            return false;
+        }
+    }
+    true
+}
+
+/// Halves a piece until its parts are short beside their distance from a pole.
+fn narrow(piece: Piece, pole: &Vector<2>, depth: usize, into: &mut Vec<Piece>) {
+    if depth == 0 || piece.chord() <= WIDE * distance_to(&piece, pole) {
+        into.push(piece);
+    } else {
+        narrow(piece.part(0.0, 0.5), pole, depth - 1, into);
+        narrow(piece.part(0.5, 1.0), pole, depth - 1, into);
+    }
+}
+
+/// The line across the longer extent of a region in its middle: unit normal and offset.
+fn longest(chain: &[Piece]) -> (Vector<2>, f64) {
+    let (lo, hi) = extent(chain);
+    let k = if hi[0] - lo[0] >= hi[1] - lo[1] { 0 } else { 1 };
+    (Vector::from_fn(|i, _| if i == k { 1.0 } else { 0.0 }), 0.5 * (lo[k] + hi[k]))
+}
+
+/// The mean of the corners.
+fn mean(chain: &[Piece]) -> Vector<2> {
+    chain.iter().fold(Vector::zeros(), |s: Vector<2>, piece| s + piece.from()) / chain.len() as f64
 }
 
 /// An apex from which all sectors have an area of at least zero, everywhere.
@@ -68,15 +168,13 @@ fn apex(chain: &[Piece], whole: f64, rule: &LineRule) -> Option<Vector<2>> {
         })
     };
     let corners = chain.iter().map(Piece::from);
-    let count = chain.len() as f64;
-    let mean = chain.iter().fold(Vector::zeros(), |s: Vector<2>, piece| s + piece.from()) / count;
     let (lo, hi) = extent(chain);
     let grid = (0..APICES * APICES).map(|q| {
         let t = |i: usize| (i as f64 + 0.5) / APICES as f64;
         let (i, j) = (t(q % APICES), t(q / APICES));
         Vector::<2>::new(lo[0] + (hi[0] - lo[0]) * i, lo[1] + (hi[1] - lo[1]) * j)
     });
-    corners.chain([mean]).chain(grid).find(sees)
+    corners.chain([mean(chain)]).chain(grid).find(sees)
 }
 
 /// Box around the points of a chain.
@@ -90,48 +188,9 @@ fn extent(chain: &[Piece]) -> (Vector<2>, Vector<2>) {
     points.iter().fold((points[0], points[0]), |(lo, hi), p| (lo.inf(p), hi.sup(p)))
 }
 
-fn sector(apex: &Vector<2>, piece: &Piece, rule: &LineRule, out: &mut Points) {
-    for (q, &wt) in rule.weights.iter().enumerate() {
-        let [c, d] = rule.at(piece, q);
-        let across = wedge(&(c - apex), &d);
-        for (&r, &wr) in rule.t.iter().zip(&rule.weights) {
-            out.push((apex + (c - apex) * r, (wt * wr * r * across).max(0.0)));
-        }
-    }
-}
-
-/// Fills four pieces by Coons' map; nothing where its Jacobian is not positive.
-fn coons(chain: &[Piece], whole: f64, rule: &LineRule, out: &mut Points) -> bool {
-    let p: [Vector<2>; 4] = std::array::from_fn(|k| chain[k].from());
-    if (0..4).any(|k| wedge(&(p[(k + 1) % 4] - p[k]), &(p[(k + 3) % 4] - p[k])) <= CORNER * whole) {
-        return false;
-    }
-    let (n, start) = (rule.t.len(), out.len());
-    for i in 0..n {
-        for j in 0..n {
-            let (s, t) = (rule.t[i], rule.t[j]);
-            let ([c0, d0], [c1, d1]) = (rule.at(&chain[0], i), rule.at(&chain[1], j));
-            // Gauss points are symmetric: the opposite sides are walked backwards
-            let ([c2, d2], [c3, d3]) = (rule.at(&chain[2], n - 1 - i), rule.at(&chain[3], n - 1 - j));
-            let low = p[0] * (1.0 - s) + p[1] * s;
-            let high = p[3] * (1.0 - s) + p[2] * s;
-            let x = c0 * (1.0 - t) + c2 * t + c3 * (1.0 - s) + c1 * s - low * (1.0 - t) - high * t;
-            let by_s = d0 * (1.0 - t) - d2 * t - c3 + c1 - (p[1] - p[0]) * (1.0 - t) - (p[2] - p[3]) * t;
-            let by_t = c2 - c0 - d3 * (1.0 - s) + d1 * s - (high - low);
-            let jacobian = wedge(&by_s, &by_t);
-            if jacobian <= 0.0 {
-                out.truncate(start);
-                return false;
-            }
-            out.push((x, rule.weights[i] * rule.weights[j] * jacobian));
-        }
-    }
-    true
-}
-
-/// The part of a chain on one side of a line x_axis = value: the upper one for the sign 1, the lower one for -1.
-fn half(chain: &[Piece], axis: usize, value: f64, sign: f64) -> Vec<Piece> {
-    let distance = |p: &Vector<2>| (p[axis] - value) * sign;
+/// The part of a chain where normal · x >= offset, for a unit normal.
+fn half(chain: &[Piece], normal: &Vector<2>, offset: f64) -> Vec<Piece> {
+    let distance = |p: &Vector<2>| normal.dot(p) - offset;
     let mut split = Vec::with_capacity(chain.len() + 2);
     for piece in chain {
         match piece {
@@ -150,11 +209,7 @@ fn half(chain: &[Piece], axis: usize, value: f64, sign: f64) -> Vec<Piece> {
         }
     }
     // ends of parts lie on the line to rounding only: those of kept curves stay where they are
-    simplified(halved(split, distance, |p| {
-        let mut on = *p;
-        on[axis] = value;
-        on
-    }))
+    simplified(halved(split, distance, |p| p - normal * distance(p)))
 }
 
 /// Parameters at which a curved piece crosses the zero line of a linear function.
@@ -202,7 +257,7 @@ mod tests {
         ];
         for points in chains {
             let (chain, mut out) = (polygon(points), Vec::new());
-            assert_eq!(fill(&chain, &rule, &mut out), 0.0);
+            assert_eq!(fill(&chain, &[], &rule, &mut out), 0.0);
             assert!(out.iter().all(|(_, w)| *w >= 0.0));
             assert!((integral(&out, |_| 1.0) - area(&chain)).abs() < 1e-15, "{points:?}");
             // the moments of x^2 y by Green's theorem: the integral of x^3 y / 3 dy
@@ -247,7 +302,7 @@ mod tests {
         // exact: degrees 2 + 1 along the rays, 3 · 8 + 7 across
         let rule = LineRule::new(16);
         let mut out = Vec::new();
-        assert_eq!(fill(&chain, &rule, &mut out), 0.0);
+        assert_eq!(fill(&chain, &[], &rule, &mut out), 0.0);
         assert!(out.iter().all(|(_, w)| *w >= 0.0));
         assert!((integral(&out, |_| 1.0) - area(&chain)).abs() < 1e-12);
         assert!((integral(&out, |x| x[0] * x[0]) - green).abs() < 1e-12);

@@ -76,13 +76,13 @@ impl<'a> Chart<'a> {
         }
     }
 
-    /// The share s for a normal of the master.
+    /// The share s for a normal of the master that points to the same side as the facet's.
     fn share(&self, n: &Vector<3>) -> f64 {
-        let t = ((n.dot(&self.normal).abs() - BLEND[0]) / BLEND[1]).clamp(0.0, 1.0);
+        let t = ((n.dot(&self.normal) - BLEND[0]) / BLEND[1]).clamp(0.0, 1.0);
         t * t * (3.0 - 2.0 * t)
     }
 
-    /// Coordinates of `x`, where the master has the unit normal `n`; on a side within `snap`.
+    /// Coordinates of `x`, where the master has the unit normal `n`, of the facet's orientation; on a side within `snap`.
     pub fn pull(&mut self, x: &Vector<3>, n: &Vector<3>) -> Vector<2> {
         let found = self.pulled(x, n);
         let pole = Vector::<2>::new(0.0, 1.0);

@@ -2,11 +2,11 @@
 
 use super::super::Partners;
 use super::super::slave_pieces::{Point, SlavePieces};
-use super::cell_rule::fill;
+use super::cell_rule::{Points, fill};
 use super::chart::Chart;
 use super::facets::Facets;
 use super::owner::{Foot, MasterSurface};
-use super::piece::LineRule;
+use super::piece::{LineRule, Piece};
 use super::polygon::Polygon;
 use super::regions::{Region, Regions, may_face, regions};
 use super::skeleton::Skeleton;
@@ -65,7 +65,7 @@ impl<'a> Sides<'a> {
         let facets = Facets::new(slave)?;
         let skeleton = Skeleton::new(&facets);
         let own = [TensorRule::<2>::gauss([points + 4; 2]).rule(0).clone(), simplex_rule(2 * points + 7)];
-        let lines = (0..=MOST_POINTS.max(points + 2)).map(|n| LineRule::new(n.max(1))).collect();
+        let lines = (0..=MOST_POINTS.max(points + 3)).map(|n| LineRule::new(n.max(1))).collect();
         let mut sides = Self {
             slave: facets,
             skeleton,
@@ -133,7 +133,7 @@ impl<'a> Sides<'a> {
             lost |= done.lost;
             share += done.share / count;
         }
-        if whole {
+        if whole && !lost {
             (part.whole, part.measure) = (true, part.covered);
         }
         part.lost = lost.then_some(share);
@@ -146,13 +146,14 @@ impl<'a> Sides<'a> {
         let cell = chart.polygon.area();
         let candidates = self.candidates(work, table);
         let mut found = regions(&mut chart, &self.master, &candidates, |f| self.sign(work.whole, f), table);
-        let mut share = found.share(cell);
-        if share > 1.0 + TILES {
+        if found.share(cell) > 1.0 + TILES {
             self.confirm(&mut chart, &mut found);
-            share = found.share(cell);
         }
-        let tiles = (share - 1.0).abs() <= TILES;
-        let is_lost = !tiles && (share > 1.0 + TILES || !found.has_rim && (!found.list.is_empty() || self.touches(&mut chart)));
+        let filled: Vec<Points> = found.list.iter().map(|region| self.points(work, region)).collect();
+        let share = filled.iter().flatten().map(|p| p.1).sum::<f64>() / cell;
+        let tiles = (share - 1.0).abs() <= TILES && (found.share(cell) - share).abs() <= TILES;
+        let may_be_open = found.has_rim || found.list.is_empty() && !self.touches(&mut chart);
+        let is_lost = !tiles && (share > 1.0 + TILES || !may_be_open);
         if is_lost
             && again > 0
             && let Some(quarters) = work.facets.quarters(work.facet)
@@ -166,13 +167,24 @@ impl<'a> Sides<'a> {
             return all;
         }
         let mut done = Done { share: 0.0, lost: is_lost };
-        for region in &found.list {
-            let left = self.integrate(work, &mut chart, region, part, table);
-            done.share += (region.area - left) / cell;
+        for (region, points) in found.list.iter().zip(&filled) {
+            if self.pair(work, &mut chart, region, points, part, table) {
+                done.share += points.iter().map(|p| p.1).sum::<f64>() / cell;
+            }
         }
-        // an area that carries no rule is lost
-        done.lost |= self.partners.touch() && tiles && (done.share - share).abs() > TILES && !matches!(self.partners, Partners::Near(_));
         done
+    }
+
+    /// Points and weights of a region in the chart.
+    fn points(&self, work: &Work<'_, 'a>, region: &Region) -> Points {
+        let (own, other) = (&work.facets.list[work.facet], &self.master.facets.list[region.facet]);
+        let is_straight = own.affine && other.affine && !region.chain.iter().any(Piece::is_curve);
+        let n = if is_straight { self.points } else { (self.points + 3).max(5) };
+        let own_pole = own.pole.then(|| own.polygon.corner(2));
+        let poles: Vec<Vector<2>> = own_pole.into_iter().chain(region.pole).collect();
+        let mut points = Vec::new();
+        fill(&region.chain, &poles, &self.lines[n], &mut points);
+        points
     }
 
     /// Master facets that may hold partners of a slave facet.
@@ -186,7 +198,7 @@ impl<'a> Sides<'a> {
         let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], [extent; 2]);
         let margin = if self.partners.touch() { allowed } else { self.reach(work, allowed, table) };
         let found = self.master.candidates(&bounds.inflated(margin + SLACK * extent));
-        found.into_iter().filter(|&f| may_face(work.facets, work.facet, &self.master.facets, f)).collect()
+        found.into_iter().filter(|&f| may_face(work.facets, work.facet, &self.master.facets, f, self.sign(work.whole, f))).collect()
     }
 
     /// How far partners of a facet may be: distances at its corners and centre, but not beyond what is allowed.
@@ -216,34 +228,31 @@ impl<'a> Sides<'a> {
         });
     }
 
-    /// Appends the points of a region; returns the area without points.
-    fn integrate(
+    /// Appends the points of a region with their feet; false where it is not paired.
+    fn pair(
         &self,
         work: &Work<'_, 'a>,
         chart: &mut Chart<'_>,
         region: &Region,
+        points: &Points,
         part: &mut SlavePieces<2, f64>,
         table: &mut MapTable<2, 3>,
-    ) -> f64 {
-        let (own, other) = (&work.facets.list[work.facet], &self.master.facets.list[region.facet]);
-        let is_straight = own.affine && other.affine && !region.chain.iter().any(|piece| piece.is_curve());
-        let n = if is_straight { self.points } else { (self.points + 2).max(4) };
-        let mut points = Vec::new();
-        let left = fill(&region.chain, &self.lines[n], &mut points);
+    ) -> bool {
         if points.is_empty() {
-            return left;
+            return false;
         }
+        let (own, other) = (&work.facets.list[work.facet], &self.master.facets.list[region.facet]);
         let at: Vec<Vector<2>> = points.iter().map(|p| p.0).collect();
         let (x, ds, normal) = {
             let here = chart.eval(&at);
-            let ds: Vec<f64> = here.jacobian.iter().zip(&points).map(|(j, p)| cross(j).norm() * p.1).collect();
+            let ds: Vec<f64> = here.jacobian.iter().zip(points).map(|(j, p)| cross(j).norm() * p.1).collect();
             (here.x.clone(), ds, cross(&here.jacobian[0]))
         };
         let measure: f64 = ds.iter().sum();
         let center = x.iter().zip(&ds).fold(Vector::zeros(), |s: Vector<3>, (x, w)| s + x * *w) / measure.max(f64::MIN_POSITIVE);
         let feet = self.master.feet(region.facet, &center, &x, table);
         if !self.faces(own.element, other.element, &normal, region.facet, &feet[0], table) {
-            return region.area;
+            return false;
         }
         let lengths = [own.size, other.size];
         let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], lengths);
@@ -255,7 +264,7 @@ impl<'a> Sides<'a> {
             Partners::Facing { .. } => mean > allowed,
         };
         if is_far {
-            return region.area;
+            return false;
         }
         part.covered += measure;
         for (q, x) in x.iter().enumerate() {
@@ -263,7 +272,7 @@ impl<'a> Sides<'a> {
         }
         let list: Vec<Point<2, f64>> = (0..x.len()).map(|q| (own.local(&at[q]), other.local(&feet[q].eta), ds[q])).collect();
         part.pieces.push((other.element, list));
-        left
+        true
     }
 
     /// Whether a facet opposes the slave's normal, where sides in contact have outward signs.

@@ -21,6 +21,8 @@ const TURN: f64 = std::f64::consts::FRAC_PI_3;
 const COLLAPSED: f64 = 1e-12;
 /// Points this near to a pole take derivatives from here, in the coordinate towards it.
 const BESIDE_POLE: f64 = 1e-6;
+/// Local coordinates outside of a facet that are rounding.
+const SAME_PLACE: f64 = 1e-9;
 /// Deviation from the linear map, in local coordinates, that is rounding.
 const AFFINE: f64 = 2e-14;
 
@@ -230,6 +232,13 @@ impl<'a> Facets<'a> {
 }
 
 impl Facet {
+    /// Whether coordinates of the element are in the facet, to rounding.
+    pub fn holds(&self, xi: &Vector<2>) -> bool {
+        let uv = inverse(&self.axes).map_or_else(Vector::zeros, |inv| inv * (xi - self.origin));
+        let polygon = if self.pole { Polygon::Square } else { self.polygon };
+        polygon.depth(&uv) >= -SAME_PLACE
+    }
+
     /// Coordinates of the element at a point of the facet.
     pub fn local(&self, p: &Vector<2>) -> Vector<2> {
         if self.whole {

@@ -17,6 +17,7 @@ mod facets;
 mod owner;
 mod piece;
 mod polygon;
+mod region_maps;
 mod regions;
 mod skeleton;
 mod trace;
@@ -32,7 +33,7 @@ use rayon::prelude::*;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MergedSurface {
     /// Gauss points per direction; max(p_slave, p_master) + 1 integrates products of polynomials of total degree p exactly on straight
-    /// regions of affine cells. Curved regions take two more, and at least four.
+    /// regions of affine cells. Other regions take three more, and at least five: their sums converge fast, but are never exact.
     pub points: usize,
     /// Pairing rule.
     pub partners: Partners,

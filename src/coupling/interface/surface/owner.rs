@@ -49,14 +49,12 @@ impl<'a> MasterSurface<'a> {
         self.closest.tree().meeting(bounds).into_iter().flat_map(|e| self.facets.of(e)).collect()
     }
 
-    /// Whether the closest point of `x` lies on the element of facet `f` or on one that shares a vertex with it.
+    /// Whether the closest point of `x` lies on facet `f` or on one that shares a vertex with it.
     pub fn owns(&self, f: usize, x: &Vector<3>) -> bool {
         let Some(hit) = self.project(x) else { return false };
-        if hit.element == self.facets.list[f].element {
-            return true;
-        }
+        let holding = self.facets.of(hit.element).filter(|&g| self.facets.list[g].holds(&hit.xi));
         let own = &self.skeleton.corners[f];
-        self.facets.of(hit.element).any(|g| self.skeleton.corners[g].iter().any(|v| *v != usize::MAX && own.contains(v)))
+        holding.into_iter().any(|g| g == f || self.skeleton.corners[g].iter().any(|v| *v != usize::MAX && own.contains(v)))
     }
 
     /// Feet of `x` on the continued facet `f`: Jᵀ(x - x_m(eta)) = 0 with eta within one cell of the facet, started about that of `center`.

@@ -25,6 +25,8 @@ pub(super) struct Region {
     pub facet: usize,
     pub chain: Vec<Piece>,
     pub area: f64,
+    /// The pole of the master facet in the chart.
+    pub pole: Option<Vector<2>>,
 }
 
 /// The regions of one slave facet.
@@ -42,10 +44,10 @@ impl Regions {
     }
 }
 
-/// Whether normals of two facets come within 78 degrees of each other, or of the reverse.
-pub(super) fn may_face(slave: &Facets<'_>, s: usize, master: &Facets<'_>, f: usize) -> bool {
+/// Whether normals of two facets come within 78 degrees of each other; `sign`: whether they have one orientation (1) or opposite ones (-1).
+pub(super) fn may_face(slave: &Facets<'_>, s: usize, master: &Facets<'_>, f: usize, sign: f64) -> bool {
     let (a, b) = (&slave.list[s], &master.list[f]);
-    let angle = a.normal.cross(&b.normal).norm().atan2(a.normal.dot(&b.normal).abs());
+    let angle = a.normal.cross(&b.normal).norm().atan2(a.normal.dot(&b.normal) * sign);
     angle - a.cone - b.cone <= APART
 }
 
@@ -60,11 +62,14 @@ pub(super) fn regions(
     let mut traced = Traced { master, chart, edges: HashMap::new(), vertices: HashMap::new(), table };
     let mut out = Regions { list: Vec::new(), has_rim: false };
     for &facet in candidates {
-        let chain = traced.chain(facet, sign(facet));
+        let chain = traced.chain(facet, sign(facet), sign(facet) * master.skeleton.sign[facet]);
         let chain = clip(traced.chart.polygon, chain);
         let area = area(&chain);
         if area > NOTHING {
-            out.list.push(Region { facet, chain, area });
+            let pole = master.facets.list[facet]
+                .pole
+                .then(|| traced.vertex(master.skeleton.corners[facet][2], sign(facet) * master.skeleton.sign[facet]));
+            out.list.push(Region { facet, chain, area, pole });
         }
     }
     out.has_rim = traced.rim_inside();
@@ -81,13 +86,14 @@ struct Traced<'t, 'a, 'c> {
 }
 
 impl Traced<'_, '_, '_> {
-    /// The boundary of a master facet, counter-clockwise in its own coordinates for the sign 1.
-    fn chain(&mut self, facet: usize, sign: f64) -> Vec<Piece> {
+    /// The boundary of a master facet, counter-clockwise in its own coordinates for the sign 1; `up` times the normals of the skeleton point
+    /// to the side of the chart's.
+    fn chain(&mut self, facet: usize, sign: f64, up: f64) -> Vec<Piece> {
         let skeleton = &self.master.skeleton;
         let mut chain = Vec::new();
         for k in 0..self.master.facets.list[facet].polygon.sides() {
             let Some(edge) = skeleton.sides[facet][k] else { continue };
-            self.trace(edge);
+            self.trace(edge, up);
             let pieces = &self.edges[&edge];
             if skeleton.is_forward(facet, k) {
                 chain.extend_from_slice(pieces);
@@ -101,18 +107,18 @@ impl Traced<'_, '_, '_> {
         chain
     }
 
-    fn vertex(&mut self, v: usize) -> Vector<2> {
+    fn vertex(&mut self, v: usize, up: f64) -> Vector<2> {
         let place = self.master.skeleton.vertices[v];
         let chart = &mut *self.chart;
-        *self.vertices.entry(v).or_insert_with(|| chart.pull(&place.x, &place.normal))
+        *self.vertices.entry(v).or_insert_with(|| chart.pull(&place.x, &(place.normal * up)))
     }
 
-    fn trace(&mut self, edge: usize) {
+    fn trace(&mut self, edge: usize, up: f64) {
         if self.edges.contains_key(&edge) {
             return;
         }
         let (master, data) = (self.master, &self.master.skeleton.edges[edge]);
-        let ends = data.vertices.map(|v| self.vertex(v));
+        let ends = data.vertices.map(|v| self.vertex(v, up));
         let pieces = if data.straight && self.chart.affine {
             vec![Piece::Line(ends[0], ends[1])]
         } else {
@@ -120,7 +126,7 @@ impl Traced<'_, '_, '_> {
             let (polygon, snap) = (chart.polygon, chart.snap);
             trace(polygon, snap, ends, &mut |t| {
                 let (x, n) = master.skeleton.edge_point(&master.facets, edge, t, table);
-                chart.pull(&x, &n)
+                chart.pull(&x, &(n * up))
             })
         };
         self.edges.insert(edge, pieces);
