@@ -19,6 +19,8 @@ use crate::linalg::{Matrix, Vector, inverse};
 
 /// Steps of the iteration; near the facet it converges in three to six.
 const STEPS: usize = 40;
+/// A step after which the next one is below rounding.
+const SQUARED: f64 = 1e-9;
 /// Cosines between the master's and the facet's normal at which s is 0, and the range over which it rises to 1.
 const BLEND: [f64; 2] = [0.35, 0.3];
 
@@ -54,10 +56,8 @@ struct Model {
 impl<'a> Chart<'a> {
     pub fn new(facets: &'a Facets<'a>, facet: usize) -> Self {
         let own = &facets.list[facet];
-        let (polygon, mut table) = (own.polygon, MapTable::new());
+        let (polygon, x, jacobian) = (own.polygon, own.x, own.jacobian);
         let center = polygon.center();
-        facets.at(facet, &[center], Order::Gradients, &mut table);
-        let (x, jacobian) = (table.x[0], table.jacobian[0]);
         let scale = 1.0 + x.norm() / own.size;
         Self {
             facets,
@@ -72,7 +72,7 @@ impl<'a> Chart<'a> {
             far: 1.0 + 3.0 * own.bend,
             done: 4e-16 * scale,
             is_pole: own.pole,
-            table,
+            table: MapTable::new(),
         }
     }
 
@@ -103,6 +103,11 @@ impl<'a> Chart<'a> {
         let mut here = self.model(&at, x, n, s);
         let mut last = f64::INFINITY;
         for _ in 0..STEPS {
+            let free = at + here.newton();
+            // inside nothing is left of r·G r: steps square, and the next one would be rounding
+            if (free - at).amax() <= SQUARED && self.polygon.depth(&free) >= 0.0 {
+                return free;
+            }
             let target = self.polygon.least(&at, &here.h, &here.g);
             let mut step = target - at;
             let length = step.amax();

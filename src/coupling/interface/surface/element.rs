@@ -126,16 +126,17 @@ impl<'a> Sides<'a> {
         let count = range.len() as f64;
         for s in range {
             let work = Work { facets: &self.slave, facet: s, whole: s };
-            let rule = &self.own[usize::from(self.slave.list[s].polygon == Polygon::Triangle)];
-            part.measure += self.slave.measure(s, rule, &mut table);
             let done = self.facet(&work, AGAIN, &mut part, &mut table);
             whole &= (done.share - 1.0).abs() <= TILES;
             lost |= done.lost;
             share += done.share / count;
         }
-        if whole && !lost {
-            (part.whole, part.measure) = (true, part.covered);
-        }
+        let mut measure = || {
+            let rule = |s: usize| &self.own[usize::from(self.slave.list[s].polygon == Polygon::Triangle)];
+            self.slave.of(element).map(|s| self.slave.measure(s, rule(s), &mut table)).sum()
+        };
+        part.whole = whole && !lost;
+        part.measure = if part.whole { part.covered } else { measure() };
         part.lost = lost.then_some(share);
         part
     }

@@ -42,6 +42,10 @@ pub(super) struct Facet {
     pub affine: bool,
     /// Largest deviation of its linearised map at the centre, in local coordinates.
     pub bend: f64,
+    /// Position and Jacobian at the centre, and (JᵀJ)⁻¹ Jᵀ.
+    pub x: Vector<3>,
+    pub jacobian: Matrix<3, 2>,
+    pub back: Matrix<2, 3>,
     /// Unit normal at the centre, and the largest angle of a normal to it \[rad\].
     pub normal: Vector<3>,
     pub cone: f64,
@@ -79,6 +83,9 @@ impl<'a> Facets<'a> {
                     whole,
                     affine: false,
                     bend: 0.0,
+                    x: Vector::zeros(),
+                    jacobian: Matrix::zeros(),
+                    back: Matrix::zeros(),
                     normal: Vector::zeros(),
                     cone: 0.0,
                     size: 0.0,
@@ -120,6 +127,8 @@ impl<'a> Facets<'a> {
     /// Measures normals and the deviation from a linear map of the facet that was added last.
     fn measure_last(&mut self, table: &mut MapTable<2, 3>) {
         let f = self.list.len() - 1;
+        // not yet known to be affine: all is evaluated
+        self.list[f].affine = false;
         let polygon = self.list[f].polygon;
         let mut points = polygon.grid(5);
         points.push(polygon.center());
@@ -140,6 +149,7 @@ impl<'a> Facets<'a> {
         }
         let far = x.norm() / self.list[f].size;
         let facet = &mut self.list[f];
+        (facet.x, facet.jacobian, facet.back) = (x, j, back);
         (facet.normal, facet.cone, facet.bend) = (normal, cone, bend);
         facet.affine = !facet.pole && bend <= AFFINE * (1.0 + far);
     }
@@ -152,6 +162,12 @@ impl<'a> Facets<'a> {
     /// Positions and derivatives in the coordinates of facet `f`.
     pub fn at(&self, f: usize, points: &[Vector<2>], order: Order, table: &mut MapTable<2, 3>) {
         let facet = &self.list[f];
+        if facet.affine && order < Order::Hessians {
+            table.reset(points.len(), order);
+            table.x.iter_mut().zip(points).for_each(|(x, p)| *x = facet.x + facet.jacobian * (p - facet.polygon.center()));
+            table.jacobian.fill(facet.jacobian);
+            return;
+        }
         if facet.whole {
             return self.map.map(facet.element, points, order, table);
         }

@@ -10,6 +10,10 @@ use crate::linalg::{Matrix, Vector, inverse};
 
 /// Newton steps of a foot; quadratic convergence needs about five.
 const FOOT_STEPS: usize = 30;
+/// A step after which the next one is below rounding, where steps square.
+const SQUARED: f64 = 1e-9;
+/// Distance to a facet, as a share of its size, at which second derivatives do not matter.
+const TOUCHES: f64 = 1e-7;
 /// A foot this far outside of its cell is tried again from other starts.
 const FAR_OUTSIDE: f64 = 1e-3;
 /// Share of JᵀJ below which the second derivatives are left out: beyond the centre of curvature.
@@ -59,29 +63,31 @@ impl<'a> MasterSurface<'a> {
 
     /// Feet of `x` on the continued facet `f`: Jᵀ(x - x_m(eta)) = 0 with eta within one cell of the facet, started about that of `center`.
     pub fn feet(&self, f: usize, center: &Vector<3>, x: &[Vector<3>], table: &mut MapTable<2, 3>) -> Vec<Foot> {
-        let polygon = self.facets.list[f].polygon;
-        let middle = self.foot(f, center, &polygon.center(), table);
+        let facet = &self.facets.list[f];
+        let linear = |x: &Vector<3>| facet.polygon.center() + facet.back * (x - facet.x);
+        if facet.affine {
+            let on = |eta: Vector<2>| Foot { eta, x: facet.x + facet.jacobian * (eta - facet.polygon.center()), found: true };
+            return x.iter().map(|x| on(self.limited(f, linear(x)))).collect();
+        }
+        let middle = self.newton(f, &[*center], &mut [self.limited(f, linear(center))], Order::Hessians, table)[0];
         self.facets.at(f, &[middle.eta], Order::Gradients, table);
         let j = table.jacobian[0];
         let back: Matrix<2, 3> = inverse(&j.tr_mul(&j)).unwrap_or_else(Matrix::zeros) * j.transpose();
         let mut eta: Vec<Vector<2>> = x.iter().map(|x| self.limited(f, middle.eta + back * (x - center))).collect();
-        self.newton(f, x, &mut eta, table)
+        // what touches needs no second derivatives
+        let order = if (middle.x - center).norm() <= TOUCHES * facet.size { Order::Gradients } else { Order::Hessians };
+        self.newton(f, x, &mut eta, order, table)
     }
 
-    /// The foot of one point; from other starts where Newton's method fails or leaves the cell.
-    fn foot(&self, f: usize, x: &Vector<3>, start: &Vector<2>, table: &mut MapTable<2, 3>) -> Foot {
-        self.newton(f, &[*x], &mut [*start], table)[0]
-    }
-
-    fn newton(&self, f: usize, x: &[Vector<3>], eta: &mut [Vector<2>], table: &mut MapTable<2, 3>) -> Vec<Foot> {
-        let mut feet = self.iterate(f, x, eta, table);
+    fn newton(&self, f: usize, x: &[Vector<3>], eta: &mut [Vector<2>], order: Order, table: &mut MapTable<2, 3>) -> Vec<Foot> {
+        let mut feet = self.iterate(f, x, eta, order, table);
         let polygon = self.facets.list[f].polygon;
         for (foot, x) in feet.iter_mut().zip(x) {
             if foot.found && polygon.depth(&foot.eta) >= -FAR_OUTSIDE {
                 continue;
             }
             let seeds = polygon.grid(3);
-            let tried = self.iterate(f, &vec![*x; seeds.len()], &mut seeds.clone(), table);
+            let tried = self.iterate(f, &vec![*x; seeds.len()], &mut seeds.clone(), Order::Hessians, table);
             let key = |foot: &Foot| (polygon.depth(&foot.eta) >= -FAR_OUTSIDE, -(foot.x - x).norm());
             for other in tried.into_iter().filter(|t| t.found) {
                 if !foot.found || key(&other) > key(foot) {
@@ -92,26 +98,28 @@ impl<'a> MasterSurface<'a> {
         feet
     }
 
-    /// Newton's method for all points at once.
-    fn iterate(&self, f: usize, x: &[Vector<3>], eta: &mut [Vector<2>], table: &mut MapTable<2, 3>) -> Vec<Foot> {
-        let mut steps = vec![f64::INFINITY; x.len()];
+    /// Newton's method for all points at once, without second derivatives for `Order::Gradients`.
+    fn iterate(&self, f: usize, x: &[Vector<3>], eta: &mut [Vector<2>], order: Order, table: &mut MapTable<2, 3>) -> Vec<Foot> {
+        let mut feet: Vec<Foot> = eta.iter().map(|eta| Foot { eta: *eta, x: Vector::zeros(), found: false }).collect();
         let mut last = f64::INFINITY;
         for _ in 0..FOOT_STEPS {
-            self.facets.at(f, eta, Order::Hessians, table);
-            let mut largest = 0.0f64;
+            self.facets.at(f, eta, order, table);
+            let (mut largest, mut squares) = (0.0f64, true);
             for (q, eta) in eta.iter_mut().enumerate() {
-                let step = step(&(x[q] - table.x[q]), &table.jacobian[q], &table.hessian[q]);
+                let (r, j) = (x[q] - table.x[q], table.jacobian[q]);
+                let (step, newton) = step(&r, &j, table.hessian.get(q));
                 let next = self.limited(f, *eta + step);
-                steps[q] = step.amax();
-                (largest, *eta) = (largest.max((next - *eta).amax()), next);
+                let moved = next - *eta;
+                feet[q] = Foot { eta: next, x: table.x[q] + j * moved, found: step.amax() <= 1e-8 };
+                (largest, squares, *eta) = (largest.max(moved.amax()), squares && (newton || r.norm() <= TOUCHES * j.norm()), next);
             }
-            if largest <= 4.0 * f64::EPSILON || (largest < 1e-10 && largest >= last) {
+            // the next step would be below rounding, or steps no longer shrink
+            if largest <= if squares { SQUARED } else { 4.0 * f64::EPSILON } || (largest < 1e-10 && largest >= last) {
                 break;
             }
             last = largest;
         }
-        self.facets.at(f, eta, Order::Values, table);
-        (0..x.len()).map(|q| Foot { eta: eta[q], x: table.x[q], found: steps[q] <= 1e-8 }).collect()
+        feet
     }
 
     /// Coordinates within one cell of the facet, and not beyond a pole.
@@ -125,16 +133,18 @@ impl<'a> MasterSurface<'a> {
     }
 }
 
-/// A Newton step of |x - x_m|² / 2, at most 0.5: with second derivatives where they leave it convex.
-fn step(r: &Vector<3>, j: &Matrix<3, 2>, hessian: &[Matrix<2, 2>; 3]) -> Vector<2> {
+/// A Newton step of |x - x_m|² / 2, at most 0.5, and whether it has second derivatives: those that leave it convex.
+fn step(r: &Vector<3>, j: &Matrix<3, 2>, hessian: Option<&[Matrix<2, 2>; 3]>) -> (Vector<2>, bool) {
     let gauss = j.tr_mul(j);
     let mut full = gauss;
-    for c in 0..3 {
-        full -= hessian[c] * r[c];
+    if let Some(hessian) = hessian {
+        for c in 0..3 {
+            full -= hessian[c] * r[c];
+        }
     }
     let rest = full - gauss * LEAST_SLOPE;
     let convex = rest[(0, 0)] > 0.0 && rest[(0, 0)] * rest[(1, 1)] > rest[(0, 1)] * rest[(1, 0)];
     let step = inverse(if convex { &full } else { &gauss }).map_or_else(Vector::zeros, |inv| inv * j.tr_mul(r));
     let length = step.amax();
-    if length > 0.5 { step * (0.5 / length) } else { step }
+    (if length > 0.5 { step * (0.5 / length) } else { step }, convex && hessian.is_some())
 }

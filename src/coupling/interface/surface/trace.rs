@@ -20,6 +20,8 @@ const CURVE_ERROR: f64 = 1e-10;
 const SAMPLES: usize = 8;
 /// Steps of golden section, which shrink its interval by 1e-4.
 const GOLDEN_STEPS: usize = 20;
+/// Samples that are looked through before a point is computed again.
+const SEEN: usize = 24;
 /// Steps of a root.
 const ROOT_STEPS: usize = 80;
 
@@ -28,7 +30,7 @@ type Sample = (f64, Vector<2>);
 
 /// The edge `pull` with the ends `ends`, known before.
 pub(super) fn trace(polygon: Polygon, snap: f64, ends: [Vector<2>; 2], pull: &mut dyn FnMut(f64) -> Vector<2>) -> Vec<Piece> {
-    let mut tracer = Tracer { polygon, snap, pull, pieces: Vec::new() };
+    let mut tracer = Tracer { polygon, snap, pull, seen: Vec::new(), pieces: Vec::new() };
     tracer.refine((0.0, ends[0]), (1.0, ends[1]), DEPTH);
     tracer.pieces
 }
@@ -37,12 +39,19 @@ struct Tracer<'p> {
     polygon: Polygon,
     snap: f64,
     pull: &'p mut dyn FnMut(f64) -> Vector<2>,
+    /// The last samples: middles are asked for again.
+    seen: Vec<Sample>,
     pieces: Vec<Piece>,
 }
 
 impl Tracer<'_> {
     fn sample(&mut self, t: f64) -> Sample {
-        (t, (self.pull)(t))
+        if let Some(known) = self.seen.iter().rev().take(SEEN).find(|s| s.0 == t) {
+            return *known;
+        }
+        let sample = (t, (self.pull)(t));
+        self.seen.push(sample);
+        sample
     }
 
     fn middle(&mut self, a: &Sample, b: &Sample) -> Sample {
@@ -183,12 +192,7 @@ impl Tracer<'_> {
                 last = 2;
             }
         }
-        (found.0, self.polygon.put_on(self.nearest_line(&found.1), &found.1))
-    }
-
-    /// The side whose line is nearest, of a point near the boundary.
-    fn nearest_line(&self, at: &Vector<2>) -> usize {
-        self.polygon.nearest_side(at)
+        (found.0, self.polygon.put_on(self.polygon.nearest_side(&found.1), &found.1))
     }
 
     /// A part of the edge without crossings.
