@@ -9,18 +9,16 @@
 //!
 //! in which the map is regular in every direction from the pole, as it is not in (u, v).
 
+use super::parts::parts;
+use super::pole::{BESIDE_POLE, beside, from_pole, from_pole_second};
 use super::polygon::Polygon;
 use crate::basis::{Cell, Order};
 use crate::coupling::CouplingError;
 use crate::geometry::{Bounds, Geometry, MapTable, cross, unit_normal};
 use crate::linalg::{Matrix, Vector, inverse};
 
-/// Largest turn of the normals along a direction of a facet \[rad\].
-const TURN: f64 = std::f64::consts::FRAC_PI_3;
 /// A side shorter than this share of the longest one is a point.
 const COLLAPSED: f64 = 1e-12;
-/// Points this near to a pole take derivatives from here, in the coordinate towards it.
-const BESIDE_POLE: f64 = 1e-6;
 /// Local coordinates outside of a facet that are rounding.
 const SAME_PLACE: f64 = 1e-9;
 /// Deviation from the linear map, in local coordinates, that is rounding.
@@ -144,7 +142,7 @@ impl<'a> Facets<'a> {
             bend = bend.max(off.amax()).max(away);
             let other = unit_normal(&table.jacobian[q], 1.0);
             if other.norm() > 0.5 {
-                cone = cone.max(cross_angle(&normal, &other));
+                cone = cone.max(angle(&normal, &other));
             }
         }
         let far = x.norm() / self.list[f].size;
@@ -272,7 +270,7 @@ impl Facet {
 }
 
 /// The reference cell as a polygon.
-fn polygon_of(cell: Cell) -> Polygon {
+pub(super) fn polygon_of(cell: Cell) -> Polygon {
     match cell {
         Cell::Tensor => Polygon::Square,
         Cell::Simplex => Polygon::Triangle,
@@ -280,78 +278,6 @@ fn polygon_of(cell: Cell) -> Polygon {
 }
 
 /// The angle of two unit vectors \[rad\].
-fn cross_angle(a: &Vector<3>, b: &Vector<3>) -> f64 {
+pub(super) fn angle(a: &Vector<3>, b: &Vector<3>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b))
-}
-
-/// The point of a triangle with a pole, moved along its line away from the pole if it is too near.
-fn beside(p: &Vector<2>) -> Vector<2> {
-    let left = 1.0 - p[1];
-    if left >= BESIDE_POLE {
-        return *p;
-    }
-    let u = if left.abs() > 1e-300 { (p[0] / left).clamp(0.0, 1.0) } else { 0.5 };
-    Vector::<2>::new(u * BESIDE_POLE, 1.0 - BESIDE_POLE)
-}
-
-/// The Jacobian in (p, q) from that in (u, v).
-fn from_pole(p: &Vector<2>, j: &Matrix<3, 2>) -> Matrix<3, 2> {
-    let left = 1.0 - p[1];
-    let (u, by_u, by_v) = (p[0] / left, j.column(0).into_owned(), j.column(1).into_owned());
-    Matrix::from_columns(&[by_u / left, by_v + by_u * (u / left)])
-}
-
-/// The second derivatives of a coordinate in (p, q) from its first and second ones in (u, v).
-fn from_pole_second(p: &Vector<2>, first: [f64; 2], h: &Matrix<2, 2>) -> Matrix<2, 2> {
-    let left = 1.0 - p[1];
-    let u = p[0] / left;
-    let u_q = u / left;
-    let pp = h[(0, 0)] / (left * left);
-    let pq = (h[(0, 0)] * u_q + h[(0, 1)]) / left + first[0] / (left * left);
-    let qq = h[(1, 1)] + 2.0 * h[(0, 1)] * u_q + h[(0, 0)] * u_q * u_q + first[0] * 2.0 * u / (left * left);
-    Matrix::<2, 2>::new(pp, pq, pq, qq)
-}
-
-/// Origins and axes of the parts into which an element is cut.
-fn parts(map: &dyn Geometry<2, 3>, element: usize, table: &mut MapTable<2, 3>) -> Vec<(Vector<2>, Matrix<2, 2>)> {
-    const LINES: usize = 5;
-    let polygon = polygon_of(map.cell(element));
-    // lines a little inside: normals vanish at poles
-    let at = |i: usize, j: usize| {
-        let t = |k: usize| 0.01 + 0.98 * k as f64 / (LINES - 1) as f64;
-        match polygon {
-            Polygon::Square => Vector::<2>::new(t(i), t(j)),
-            Polygon::Triangle => Vector::<2>::new(t(i) * (1.0 - t(j)), t(j)),
-        }
-    };
-    let points: Vec<Vector<2>> = (0..LINES * LINES).map(|q| at(q % LINES, q / LINES)).collect();
-    map.map(element, &points, Order::Gradients, table);
-    let normals: Vec<Vector<3>> = table.jacobian.iter().map(|j| unit_normal(j, 1.0)).collect();
-    let turn = |line: &dyn Fn(usize) -> usize| (1..LINES).map(|k| cross_angle(&normals[line(k - 1)], &normals[line(k)])).sum::<f64>();
-    let count = |of: &dyn Fn(usize, usize) -> usize| {
-        let most = (0..LINES).map(|l| turn(&|k| of(l, k))).fold(0.0, f64::max);
-        ((most / TURN - 1e-6).ceil() as usize).clamp(1, 64)
-    };
-    let (nu, nv) = (count(&|l, k| l * LINES + k), count(&|l, k| k * LINES + l));
-    let mut out = Vec::new();
-    match polygon {
-        Polygon::Square => {
-            let (du, dv) = (1.0 / nu as f64, 1.0 / nv as f64);
-            for (i, j) in (0..nu * nv).map(|q| ((q % nu) as f64, (q / nu) as f64)) {
-                out.push((Vector::<2>::new(i * du, j * dv), Matrix::<2, 2>::new(du, 0.0, 0.0, dv)));
-            }
-        }
-        Polygon::Triangle => {
-            let n = nu.max(nv);
-            let d = 1.0 / n as f64;
-            for (i, j) in (0..n * n).map(|q| (q % n, q / n)).filter(|&(i, j)| i + j < n) {
-                let (x, y) = (i as f64 * d, j as f64 * d);
-                out.push((Vector::<2>::new(x, y), Matrix::<2, 2>::new(d, 0.0, 0.0, d)));
-                if i + j + 1 < n {
-                    out.push((Vector::<2>::new(x + d, y + d), Matrix::<2, 2>::new(-d, 0.0, 0.0, -d)));
-                }
-            }
-        }
-    }
-    out
 }
