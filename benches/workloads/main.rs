@@ -14,16 +14,17 @@ mod meshes;
 mod run;
 mod saddle;
 mod solvers;
+mod surfaces;
 mod table;
 
 use contact::Backend;
 use run::{Options, Record};
 
 /// Workloads of the specification that this version does not have.
-const LATER: [&str; 3] = ["W5-3d-p1", "W5-3d-q2", "W8"];
+const LATER: [&str; 1] = ["W8"];
 
 /// What runs without a name: (workload, p, n).
-const LIST: [(&str, usize, usize); 23] = [
+const LIST: [(&str, usize, usize); 25] = [
     ("W1", 2, 256),
     ("W1", 3, 256),
     ("W1", 4, 256),
@@ -43,6 +44,8 @@ const LIST: [(&str, usize, usize); 23] = [
     ("W4e", 2, 256),
     ("W4f", 2, 24),
     ("W5-2d", 2, 1000),
+    ("W5-3d-p1", 1, 64),
+    ("W5-3d-q2", 2, 64),
     ("W6-spline", 2, 32),
     ("W6-spline", 2, 96),
     ("W6-lagrange", 2, 32),
@@ -58,6 +61,7 @@ fn lines(name: &str, options: &Options) -> Option<Vec<String>> {
     let contact = |name, backend| contact::two_bodies(name, backend, p, options.n.unwrap_or(32), options).to_string();
     match name {
         "W5-2d" => Some(vec![interface::straight(name, p, options.n.unwrap_or(1000), options).to_string()]),
+        "W5-3d-p1" | "W5-3d-q2" => Some(vec![surfaces::pair(name, options.n.unwrap_or(64), options).to_string()]),
         "W6-spline" => Some(vec![contact(name, Backend::Spline)]),
         "W6-lagrange" => Some(vec![contact(name, Backend::Lagrange)]),
         "floor" => Some(vec![floor::record(options).to_string()]),

@@ -1,8 +1,8 @@
 //! Contract of [`InterfaceQuadrature`]: pieces tile the slave, points lie in their elements, partners coincide.
 
-use crate::basis::{Basis, Order, ShapeTable};
+use crate::basis::{Basis, Cell, Order, ShapeTable};
 use crate::coupling::{InterfaceQuadrature, Segments};
-use crate::geometry::{Geometry, MapTable};
+use crate::geometry::{Geometry, MapTable, cell};
 use crate::linalg::{Real, Vector, measure, to_f64};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -50,6 +50,9 @@ pub fn interface_quadrature<const D: usize, const N: usize, T: Real>(
     segments.well_formed(slave.num_elements(), master.num_elements()).map_err(|e| e.to_string())?;
     if segments.num_pieces() == 0 {
         return Err("there are no pieces: no point of the slave has a partner".into());
+    }
+    if let Some(element) = segments.report.lost.first() {
+        return Err(format!("the pieces of slave element {element} do not tile it, and the master does not end there"));
     }
     reported(&segments, slave_map, master_map)?;
     tiling(&segments, slave, own[0], limits.tiling)?;
@@ -111,14 +114,15 @@ fn places<const D: usize, const N: usize, T: Real>(
     master: &dyn Space<D, N, T>,
     limits: SegmentLimits,
 ) -> Result<(), String> {
-    let inside = |xi: &Vector<D, T>| xi.iter().all(|&v| to_f64(v) >= -limits.outside && to_f64(v) <= 1.0 + limits.outside);
+    let inside = |kind: Cell, xi: &Vector<D, T>| to_f64(cell::outside(kind, xi)) <= limits.outside;
     let (mut here, mut there) = (MapTable::new(), MapTable::new());
     for piece in 0..segments.num_pieces() {
         let points = segments.points(piece);
+        let kinds = [slave.cell(segments.slave[piece]), master.cell(segments.master[piece])];
         slave.map(segments.slave[piece], &segments.slave_xi[points.clone()], Order::Values, &mut here);
         master.map(segments.master[piece], &segments.master_xi[points.clone()], Order::Values, &mut there);
         for (k, q) in points.enumerate() {
-            if !inside(&segments.slave_xi[q]) || !inside(&segments.master_xi[q]) {
+            if !inside(kinds[0], &segments.slave_xi[q]) || !inside(kinds[1], &segments.master_xi[q]) {
                 return Err(format!(
                     "point {q} of piece {piece} lies at {:?} and {:?}, outside its cells",
                     segments.slave_xi[q], segments.master_xi[q]

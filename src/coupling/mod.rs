@@ -43,6 +43,14 @@ pub enum CouplingError {
         /// The element of the slave side.
         element: usize,
     },
+    /// Pieces leave a part of a slave element uncovered or cover it twice, though the master does not end there.
+    #[error("the pieces of the slave side's element {element} cover {share:.6} of it, and the master does not end there")]
+    Lost {
+        /// The element of the slave side.
+        element: usize,
+        /// Share that the pieces cover, in local coordinates; more than 1 if parts are covered twice.
+        share: f64,
+    },
     /// A multiplier space has other elements than the slave side.
     #[error("the multiplier has {found} elements, the slave side {expected}")]
     Elements {

@@ -86,6 +86,15 @@ pub fn contains<const D: usize, T: Real>(cell: Cell, xi: &Vector<D, T>, toleranc
         }
 }
 
+/// How far `xi` is outside of the cell, in local coordinates; zero inside.
+pub fn outside<const D: usize, T: Real>(cell: Cell, xi: &Vector<D, T>) -> T {
+    let beyond = match cell {
+        Cell::Tensor => xi.iter().fold(T::zero(), |m, &v| m.max(v - T::one())),
+        Cell::Simplex => xi.sum() - T::one(),
+    };
+    xi.iter().fold(beyond.max(T::zero()), |m, &v| m.max(-v))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,7 +8,7 @@ use super::error::ProblemErrors;
 use super::multipliers::{DualPair, constrained_ends};
 use crate::basis::Basis;
 use crate::contact::{ClosedSide, NoHalfWidth, half_width};
-use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, Partners, SlaveRule};
+use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, MergedSurface, Partners, SlaveRule};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind};
 use crate::coupling::{CouplingError, Segments};
 use crate::geometry::Geometry;
@@ -110,7 +110,7 @@ impl InterfaceSide<1, 2> for Trace<1, 2> {
     }
 }
 
-/// A rule on surfaces, which is not in this version.
+/// A rule of surfaces that is not in this version.
 #[derive(Clone, Copy, Debug)]
 struct NoRule;
 
@@ -120,10 +120,10 @@ impl InterfaceQuadrature<2, 3> for NoRule {
     }
 }
 
-/// Rules and multipliers of the library are those of curves; those from outside serve on surfaces, too.
+/// The library has the merged rule of surfaces; slave rules, sums over the master and multipliers come from outside.
 impl InterfaceSide<2, 3> for Trace<2, 3> {
-    fn merged(_: usize, _: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
-        Box::new(NoRule)
+    fn merged(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
+        Box::new(MergedSurface { points, partners })
     }
     fn slave_rule(_: usize, _: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
         Box::new(NoRule)

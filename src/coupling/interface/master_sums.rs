@@ -78,7 +78,9 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for MasterSums<T> {
         let mut pieces: Vec<(usize, Summed<T>)> =
             summed.into_iter().enumerate().flat_map(|(e, list)| list.into_iter().map(move |piece| (e, piece))).collect();
         pieces.sort_by_key(|(_, piece)| piece.slave);
-        Ok(listed(slave, pieces))
+        let mut out = listed(slave, pieces);
+        out.count(master);
+        Ok(out)
     }
 }
 

@@ -14,8 +14,9 @@
 //! Neighbouring pieces share their cut, so they tile the slave element exactly. Cost: n log n.
 
 use super::cuts::{Cuts, sliver};
-use super::pairing::{MasterCurve, Worst, place_of, size_of};
-use super::{Coverage, InterfaceQuadrature, Partners, Segments, Tolerance};
+use super::pairing::{MasterCurve, size_of};
+use super::slave_pieces::{SlavePieces, join};
+use super::{InterfaceQuadrature, Partners, Segments, Tolerance};
 use crate::basis::Order;
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable};
@@ -55,69 +56,10 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for MergedCurve<T> {
             return Err(CouplingError::NothingFaces);
         }
         let sides = PieceSides::new(slave, master, self.partners, self.points);
-        let parts: Vec<SlavePieces<T>> =
+        let parts: Vec<SlavePieces<1, T>> =
             (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
-        join(parts, matches!(self.partners, Partners::Touching(_)))
+        join(parts, master, matches!(self.partners, Partners::Touching(_)))
     }
-}
-
-/// The pieces of one slave element.
-#[derive(Debug)]
-pub(super) struct SlavePieces<T: Real> {
-    pub element: usize,
-    /// master element and points (slave xi, master xi, ds) of each piece
-    pub pieces: Vec<(usize, Vec<(Vector<1, T>, Vector<1, T>, T)>)>,
-    pub measure: T,
-    pub covered: T,
-    pub worst: Worst<T>,
-    pub farthest: (T, [f64; 3]),
-}
-
-impl<T: Real> SlavePieces<T> {
-    pub fn new(element: usize) -> Self {
-        Self { element, pieces: Vec::new(), measure: T::zero(), covered: T::zero(), worst: Worst::none(), farthest: (T::zero(), [0.0; 3]) }
-    }
-
-    /// Records the distance of a pair of partners.
-    pub fn see<const N: usize>(&mut self, x: &Vector<N, T>, distance: T, allowed: T) {
-        let ratio = distance / allowed.max(T::default_epsilon());
-        if distance > self.farthest.0 {
-            self.farthest = (distance, place_of(x));
-        }
-        if ratio > self.worst.ratio {
-            self.worst = Worst { distance, at: place_of(x), allowed, ratio };
-        }
-    }
-}
-
-/// Joins the parts into one list in the order of slave elements, with its coverage; checks distances of touching sides.
-pub(super) fn join<T: Real>(parts: Vec<SlavePieces<T>>, touching: bool) -> Result<Segments<1, T>, CouplingError> {
-    let mut out = Segments::new();
-    let (mut report, mut worst) = (Coverage::default(), Worst::none());
-    for part in parts {
-        for (master, points) in part.pieces {
-            out.push_piece(part.element, master, points);
-        }
-        report.slave_measure += part.measure;
-        report.covered += part.covered;
-        report.share.push(if part.measure > T::zero() { (part.covered / part.measure).min(T::one()) } else { T::zero() });
-        if part.farthest.0 > report.distance {
-            (report.distance, report.at) = part.farthest;
-        }
-        if part.worst.ratio > worst.ratio {
-            worst = part.worst;
-        }
-    }
-    if touching {
-        if let Some(error) = worst.error() {
-            return Err(error);
-        }
-        if out.num_pieces() == 0 {
-            return Err(CouplingError::NothingFaces);
-        }
-    }
-    out.report = report;
-    Ok(out)
 }
 
 /// Both sides and the rule of a piece.
@@ -173,7 +115,7 @@ impl<'a, const N: usize, T: Real> PieceSides<'a, N, T> {
         merged
     }
 
-    fn element(&self, element: usize, work: &mut Work<N, T>) -> SlavePieces<T> {
+    fn element(&self, element: usize, work: &mut Work<N, T>) -> SlavePieces<1, T> {
         let mut part = SlavePieces::new(element);
         for piece in self.pieces(element, work) {
             self.integrate(piece, work, &mut part);
@@ -244,7 +186,7 @@ impl<'a, const N: usize, T: Real> PieceSides<'a, N, T> {
     }
 
     /// Computes the Gauss points of a piece and their partners.
-    fn integrate(&self, (from, to, owner): Piece<T>, work: &mut Work<N, T>, part: &mut SlavePieces<T>) {
+    fn integrate(&self, (from, to, owner): Piece<T>, work: &mut Work<N, T>, part: &mut SlavePieces<1, T>) {
         let width = to - from;
         work.xi.clear();
         work.xi.extend(self.gauss.points.iter().map(|p| Vector::<1, T>::new(from + width * p[0])));

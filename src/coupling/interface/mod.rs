@@ -6,10 +6,13 @@ mod master_sums;
 mod merged_curve;
 mod pairing;
 mod slave;
+mod slave_pieces;
+mod surface;
 mod verified;
 
 use super::CouplingError;
-use crate::geometry::Geometry;
+use crate::basis::Elements;
+use crate::geometry::{Geometry, cell};
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 use std::ops::Range;
@@ -19,9 +22,11 @@ pub use master_sums::MasterSums;
 pub use merged_curve::MergedCurve;
 pub use pairing::{MasterCurve, Partner, Partners, Tolerance, crossing};
 pub use slave::{SlaveRule, slave_segments};
+pub use surface::MergedSurface;
 
 /// Coverage of the slave side by a list of segments.
 #[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
 pub struct Coverage<T: Real = f64> {
     /// Measure of the slave side \[length^D\].
     pub slave_measure: T,
@@ -33,11 +38,26 @@ pub struct Coverage<T: Real = f64> {
     pub at: [f64; 3],
     /// Covered share per slave element, 0 to 1.
     pub share: Vec<T>,
+    /// Largest distance of a point from the cell of its master element, in local coordinates.
+    pub outside: T,
+    /// Slave elements whose pieces leave a part uncovered, or cover it twice, where the master does not end.
+    pub lost: Vec<usize>,
+    /// Number of pieces.
+    pub pieces: usize,
 }
 
 impl<T: Real> Default for Coverage<T> {
     fn default() -> Self {
-        Self { slave_measure: T::zero(), covered: T::zero(), distance: T::zero(), at: [0.0; 3], share: Vec::new() }
+        Self {
+            slave_measure: T::zero(),
+            covered: T::zero(),
+            distance: T::zero(),
+            at: [0.0; 3],
+            share: Vec::new(),
+            outside: T::zero(),
+            lost: Vec::new(),
+            pieces: 0,
+        }
     }
 }
 
@@ -118,6 +138,18 @@ impl<const D: usize, T: Real> Segments<D, T> {
     #[must_use]
     pub fn swapped(self) -> Self {
         Self { slave: self.master, master: self.slave, slave_xi: self.master_xi, master_xi: self.slave_xi, ..self }
+    }
+
+    /// Reports the number of pieces and how far points lie outside of the cells of `master`.
+    pub(super) fn count(&mut self, master: &dyn Elements) {
+        self.report.pieces = self.num_pieces();
+        self.report.outside = T::zero();
+        for piece in 0..self.num_pieces() {
+            let kind = master.cell(self.master[piece]);
+            for q in self.points(piece) {
+                self.report.outside = self.report.outside.max(cell::outside(kind, &self.master_xi[q]));
+            }
+        }
     }
 
     /// Measure of all pieces \[length^D\].

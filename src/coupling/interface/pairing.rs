@@ -75,7 +75,7 @@ impl<T: Real> Partners<T> {
     }
 
     /// The outward sign of a slave element, if its partners are to oppose it.
-    pub(super) fn outward<const N: usize>(&self, slave: &dyn Geometry<1, N, T>, element: usize) -> Option<T> {
+    pub(super) fn outward<const D: usize, const N: usize>(&self, slave: &dyn Geometry<D, N, T>, element: usize) -> Option<T> {
         if matches!(self, Self::Facing { .. }) { slave.outward(element) } else { None }
     }
 

@@ -6,8 +6,8 @@
 //! are longer than the slave. For rigid targets there is no master and the rule is exact.
 
 use super::cuts::Cuts;
-use super::merged_curve::{SlavePieces, join};
 use super::pairing::{MasterCurve, size_of};
+use super::slave_pieces::{SlavePieces, join};
 use super::{Coverage, InterfaceQuadrature, Partners, Segments, Tolerance};
 use crate::basis::Order;
 use crate::coupling::CouplingError;
@@ -50,9 +50,9 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for SlaveRule<T> {
             partners: self.partners,
             gauss: gauss_legendre::<T>(self.points.max(1)),
         };
-        let parts: Vec<SlavePieces<T>> =
+        let parts: Vec<SlavePieces<1, T>> =
             (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
-        join(parts, matches!(self.partners, Partners::Touching(_)))
+        join(parts, master, matches!(self.partners, Partners::Touching(_)))
     }
 }
 
@@ -79,7 +79,7 @@ impl<const N: usize, T: Real> Work<N, T> {
 
 impl<const N: usize, T: Real> Sides<'_, N, T> {
     /// Integrates an element at its Gauss points; if the master ends inside it, at those of each of its parts.
-    fn element(&self, element: usize, work: &mut Work<N, T>) -> SlavePieces<T> {
+    fn element(&self, element: usize, work: &mut Work<N, T>) -> SlavePieces<1, T> {
         let mut part = SlavePieces::new(element);
         let outward = self.partners.outward(self.slave, element);
         work.cuts.at_rims(self.slave, element, &self.master, outward, &mut work.slave);
@@ -130,6 +130,7 @@ pub fn slave_segments<const D: usize, const N: usize, T: Real>(
         out.push_piece(element, 0, points);
     }
     let whole = out.measure();
-    out.report = Coverage { slave_measure: whole, covered: whole, share: vec![T::one(); slave.num_elements()], ..Coverage::default() };
+    let (share, pieces) = (vec![T::one(); slave.num_elements()], out.num_pieces());
+    out.report = Coverage { slave_measure: whole, covered: whole, share, pieces, ..Coverage::default() };
     out
 }

@@ -45,8 +45,9 @@ impl<const D: usize, T: Real> Segments<D, T> {
             return Err(CouplingError::Rule(format!("the points of the slave's element {element} measure {times:.6} times the element")));
         }
         if !agree(&self.report, &measured.coverage, measured.coordinates) {
-            self.report = measured.coverage;
+            self.report = Coverage { lost: self.report.lost, ..measured.coverage };
         }
+        self.count(master);
         Ok(self)
     }
 

@@ -1,0 +1,130 @@
+//! Sutherland-Hodgman clipping of a closed chain of pieces by the sides of the cell.
+//!
+//! Curved pieces lie in the cell and are kept; chords are cut, and gaps closed along the side that cut them. The cell is convex, so
+//! the result has the exact area of the common part; what it covers twice, in opposite directions along a side, has none.
+
+use super::piece::{Piece, wedge};
+use super::polygon::Polygon;
+use crate::linalg::Vector;
+
+/// Pieces shorter than this are points.
+const POINT: f64 = 1e-15;
+/// Lines whose common deviation is below this share of their length are one.
+const COLLINEAR: f64 = 1e-15;
+
+/// The part of a chain in the cell.
+pub(super) fn clip(polygon: Polygon, chain: Vec<Piece>) -> Vec<Piece> {
+    let mut chain = chain;
+    for k in 0..polygon.sides() {
+        chain = halved(chain, |p| polygon.distance(k, p), |p| polygon.put_on(k, p));
+        if chain.is_empty() {
+            return chain;
+        }
+    }
+    simplified(chain)
+}
+
+/// The part of a chain where the linear function `distance` is not negative; `put_on` moves points onto its zero line.
+pub(super) fn halved(chain: Vec<Piece>, distance: impl Fn(&Vector<2>) -> f64, put_on: impl Fn(&Vector<2>) -> Vector<2>) -> Vec<Piece> {
+    let mut out: Vec<Piece> = Vec::with_capacity(chain.len() + 4);
+    let mut push = |piece: Piece| {
+        if let Some(last) = out.last()
+            && last.to() != piece.from()
+        {
+            let gap = Piece::Line(last.to(), piece.from());
+            out.push(gap);
+        }
+        out.push(piece);
+    };
+    for piece in chain {
+        let Piece::Line(a, b) = piece else {
+            push(piece);
+            continue;
+        };
+        let (da, db) = (distance(&a), distance(&b));
+        let cut = || put_on(&(a + (b - a) * (da / (da - db))));
+        match (da >= 0.0, db >= 0.0) {
+            (true, true) => push(piece),
+            (true, false) if da > 0.0 => push(Piece::Line(a, cut())),
+            (false, true) if db > 0.0 => push(Piece::Line(cut(), b)),
+            _ => {}
+        }
+    }
+    if let (Some(first), Some(last)) = (out.first(), out.last())
+        && last.to() != first.from()
+    {
+        let gap = Piece::Line(last.to(), first.from());
+        out.push(gap);
+    }
+    out
+}
+
+/// A chain without points, consecutive lines on one line joined; spikes vanish with that.
+pub(super) fn simplified(chain: Vec<Piece>) -> Vec<Piece> {
+    let mut out: Vec<Piece> = Vec::with_capacity(chain.len());
+    for piece in chain {
+        if piece.chord() <= POINT && !piece.is_curve() {
+            continue;
+        }
+        match out.last().and_then(|last| joined(last, &piece)) {
+            Some(line) => {
+                out.pop();
+                if line.chord() > POINT {
+                    out.push(line);
+                }
+            }
+            None => out.push(piece),
+        }
+    }
+    while out.len() > 2
+        && let Some(line) = joined(&out[out.len() - 1], &out[0])
+    {
+        out.pop();
+        out[0] = line;
+        if out[0].chord() <= POINT {
+            out.remove(0);
+        }
+    }
+    if out.len() < 2 && !out.iter().any(Piece::is_curve) { Vec::new() } else { out }
+}
+
+/// Two lines on one line as one.
+fn joined(a: &Piece, b: &Piece) -> Option<Piece> {
+    let (Piece::Line(p, q), Piece::Line(_, r)) = (a, b) else { return None };
+    let (along, next) = (q - p, r - q);
+    let scale = along.norm() + next.norm();
+    let off = wedge(&along, &next).abs();
+    (off <= COLLINEAR * scale).then_some(Piece::Line(*p, *r))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::piece::area;
+    use super::*;
+
+    fn polygon(points: &[[f64; 2]]) -> Vec<Piece> {
+        let at = |k: usize| Vector::<2>::from(points[k % points.len()]);
+        (0..points.len()).map(|k| Piece::Line(at(k), at(k + 1))).collect()
+    }
+
+    #[test]
+    fn common_parts_of_polygons_have_their_area() {
+        let cases: [(&[[f64; 2]], f64, usize); 6] = [
+            (&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 1.0, 4),
+            (&[[-1.0, -1.0], [0.5, -1.0], [0.5, 0.5], [-1.0, 0.5]], 0.25, 4),
+            (&[[0.5, -0.5], [1.5, 0.5], [0.5, 1.5], [-0.5, 0.5]], 1.0, 4),
+            (&[[2.0, 0.0], [3.0, 0.0], [3.0, 1.0]], 0.0, 0),
+            (&[[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0]], 0.0, 0),
+            (&[[0.25, 0.25], [0.75, 0.25], [0.5, 0.75]], 0.125, 3),
+        ];
+        for (points, expected, count) in cases {
+            let found = clip(Polygon::Square, polygon(points));
+            assert!((area(&found) - expected).abs() < 1e-15, "{points:?}: {found:?}");
+            if expected > 0.0 {
+                assert_eq!(found.len(), count, "{points:?}: {found:?}");
+            }
+        }
+        let triangle = clip(Polygon::Triangle, polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]));
+        assert_eq!((area(&triangle), triangle.len()), (0.5, 3));
+    }
+}

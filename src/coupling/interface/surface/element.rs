@@ -1,0 +1,292 @@
+//! One slave element: its facets, their regions, and the points of these with their partners.
+
+use super::super::Partners;
+use super::super::slave_pieces::{Point, SlavePieces};
+use super::cell_rule::{Points, fill};
+use super::chart::Chart;
+use super::facets::Facets;
+use super::owner::{Foot, MasterSurface};
+use super::piece::{LineRule, Piece};
+use super::polygon::Polygon;
+use super::regions::{Region, Regions, may_face, regions};
+use super::skeleton::Skeleton;
+use crate::basis::Order;
+use crate::coupling::CouplingError;
+use crate::geometry::{Geometry, MapTable, cross, opposes, unit_normal};
+use crate::linalg::Vector;
+use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
+use std::collections::HashMap;
+
+/// Deviation of the sum of regions from the facet that is rounding.
+const TILES: f64 = 1e-9;
+/// Most Gauss points per direction.
+const MOST_POINTS: usize = 16;
+/// Cuttings in four of a facet whose regions do not tile it.
+const AGAIN: usize = 4;
+/// Share of the extent of a facet by which its box is inflated in the search.
+const SLACK: f64 = 0.15;
+/// Facets of a slave part that tell whether it faces a part of the master.
+const TOLD_BY: usize = 200;
+
+/// Both sides and their rules.
+pub(super) struct Sides<'a> {
+    slave: Facets<'a>,
+    skeleton: Skeleton,
+    master: MasterSurface<'a>,
+    partners: Partners,
+    points: usize,
+    /// Sizes of the slave, and of the larger side.
+    sizes: [f64; 2],
+    /// Gauss rules on [0, 1] by their number of points.
+    lines: Vec<LineRule>,
+    own: [Rule<2>; 2],
+    /// +1 where the walked normals of a slave part and a master part point to the same side.
+    same: HashMap<(usize, usize), f64>,
+}
+
+/// A facet of the slave in work: where it lies, and what its chart is oriented by.
+struct Work<'w, 'a> {
+    facets: &'w Facets<'a>,
+    facet: usize,
+    /// The facet of the slave's skeleton of which it is a part.
+    whole: usize,
+}
+
+impl<'a> Sides<'a> {
+    pub fn new(
+        slave: &'a dyn Geometry<2, 3>,
+        master: &'a dyn Geometry<2, 3>,
+        partners: Partners,
+        points: usize,
+    ) -> Result<Self, CouplingError> {
+        let size = |map: &dyn Geometry<2, 3>| map.extent().map_or(0.0, |b| b.diagonal());
+        let slave_size = size(slave);
+        let sizes = [slave_size, slave_size.max(size(master))];
+        let facets = Facets::new(slave)?;
+        let skeleton = Skeleton::new(&facets);
+        let own = [TensorRule::<2>::gauss([points + 4; 2]).rule(0).clone(), simplex_rule(2 * points + 7)];
+        let lines = (0..=MOST_POINTS.max(points + 3)).map(|n| LineRule::new(n.max(1))).collect();
+        let mut sides = Self {
+            slave: facets,
+            skeleton,
+            master: MasterSurface::new(master)?,
+            partners,
+            points,
+            sizes,
+            lines,
+            own,
+            same: HashMap::new(),
+        };
+        sides.orient();
+        Ok(sides)
+    }
+
+    /// Finds the parts that face each other in one orientation, by the nearest pair of normals.
+    fn orient(&mut self) {
+        let stride = self.slave.list.len().div_ceil(TOLD_BY).max(1);
+        let mut nearest: HashMap<(usize, usize), (f64, f64)> = HashMap::new();
+        let mut table = MapTable::new();
+        for s in (0..self.slave.list.len()).step_by(stride) {
+            let center = self.slave.list[s].polygon.center();
+            self.slave.at(s, &[center], Order::Gradients, &mut table);
+            let (x, own) = (table.x[0], unit_normal(&table.jacobian[0], self.skeleton.sign[s]));
+            let Some(hit) = self.master.project(&x) else { continue };
+            self.master.facets.map.map(hit.element, &[hit.xi], Order::Gradients, &mut table);
+            let f = self.master.facets.start[hit.element];
+            let along = own.dot(&unit_normal(&table.jacobian[0], self.master.skeleton.sign[f]));
+            // slanted pairs tell little
+            let key = hit.distance + (1.0 - along.abs()) * self.sizes[1];
+            let pair = nearest.entry((self.skeleton.part[s], self.master.skeleton.part[f])).or_insert((f64::INFINITY, 1.0));
+            if key < pair.0 {
+                *pair = (key, along.signum());
+            }
+        }
+        self.same = nearest.into_iter().map(|(parts, (_, sign))| (parts, sign)).collect();
+    }
+
+    /// +1 where a slave facet and a master facet face each other with their own orientations alike, -1 with opposite ones.
+    fn sign(&self, s: usize, f: usize) -> f64 {
+        let (own, other) = (&self.slave.list[s], &self.master.facets.list[f]);
+        let outward = self.partners.outward(self.slave.map, own.element).zip(self.master.facets.map.outward(other.element));
+        if let Some((a, b)) = outward {
+            return -a * b;
+        }
+        let (skeleton, parts) = (&self.master.skeleton, (self.skeleton.part[s], self.master.skeleton.part[f]));
+        match self.same.get(&parts) {
+            Some(same) => same * self.skeleton.sign[s] * skeleton.sign[f],
+            None => own.normal.dot(&other.normal).signum(),
+        }
+    }
+
+    /// Integrates one element.
+    pub fn element(&self, element: usize) -> SlavePieces<2, f64> {
+        let mut part = SlavePieces::new(element);
+        let (mut table, mut whole, mut lost, mut share) = (MapTable::new(), true, false, 0.0);
+        let range = self.slave.of(element);
+        let count = range.len() as f64;
+        for s in range {
+            let work = Work { facets: &self.slave, facet: s, whole: s };
+            let done = self.facet(&work, AGAIN, &mut part, &mut table);
+            whole &= (done.share - 1.0).abs() <= TILES;
+            lost |= done.lost;
+            share += done.share / count;
+        }
+        let mut measure = || {
+            let rule = |s: usize| &self.own[usize::from(self.slave.list[s].polygon == Polygon::Triangle)];
+            self.slave.of(element).map(|s| self.slave.measure(s, rule(s), &mut table)).sum()
+        };
+        part.whole = whole && !lost;
+        part.measure = if part.whole { part.covered } else { measure() };
+        part.lost = lost.then_some(share);
+        part
+    }
+
+    /// Integrates a facet; one that its regions do not tile is cut in four.
+    fn facet(&self, work: &Work<'_, 'a>, again: usize, part: &mut SlavePieces<2, f64>, table: &mut MapTable<2, 3>) -> Done {
+        let mut chart = Chart::new(work.facets, work.facet);
+        let cell = chart.polygon.area();
+        let candidates = self.candidates(work, table);
+        let mut found = regions(&mut chart, &self.master, &candidates, |f| self.sign(work.whole, f), table);
+        if found.share(cell) > 1.0 + TILES {
+            self.confirm(&mut chart, &mut found);
+        }
+        let filled: Vec<Points> = found.list.iter().map(|region| self.points(work, region)).collect();
+        let share = filled.iter().flatten().map(|p| p.1).sum::<f64>() / cell;
+        let tiles = (share - 1.0).abs() <= TILES && (found.share(cell) - share).abs() <= TILES;
+        let may_be_open = found.has_rim || found.list.is_empty() && !self.touches(&mut chart);
+        let is_lost = !tiles && (share > 1.0 + TILES || !may_be_open);
+        if is_lost
+            && again > 0
+            && let Some(quarters) = work.facets.quarters(work.facet)
+        {
+            let mut all = Done { share: 0.0, lost: false };
+            for facet in 0..quarters.list.len() {
+                let work = Work { facets: &quarters, facet, whole: work.whole };
+                let done = self.facet(&work, again - 1, part, table);
+                all = Done { share: all.share + 0.25 * done.share, lost: all.lost | done.lost };
+            }
+            return all;
+        }
+        let mut done = Done { share: 0.0, lost: is_lost };
+        for (region, points) in found.list.iter().zip(&filled) {
+            if self.pair(work, &mut chart, region, points, part, table) {
+                done.share += points.iter().map(|p| p.1).sum::<f64>() / cell;
+            }
+        }
+        done
+    }
+
+    /// Points and weights of a region in the chart.
+    fn points(&self, work: &Work<'_, 'a>, region: &Region) -> Points {
+        let (own, other) = (&work.facets.list[work.facet], &self.master.facets.list[region.facet]);
+        let is_straight = own.affine && other.affine && !region.chain.iter().any(Piece::is_curve);
+        let n = if is_straight { self.points } else { (self.points + 3).max(5) };
+        let own_pole = own.pole.then(|| own.polygon.corner(2));
+        let poles: Vec<Vector<2>> = own_pole.into_iter().chain(region.pole).collect();
+        let mut points = Vec::new();
+        fill(&region.chain, &poles, &self.lines[n], &mut points);
+        points
+    }
+
+    /// Master facets that may hold partners of a slave facet.
+    fn candidates(&self, work: &Work<'_, 'a>, table: &mut MapTable<2, 3>) -> Vec<usize> {
+        let own = &work.facets.list[work.facet];
+        let bounds = match work.facets.is_whole(work.facet) {
+            true => work.facets.map.bounds(own.element),
+            false => work.facets.bounds(work.facet, table),
+        };
+        let extent = bounds.diagonal();
+        let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], [extent; 2]);
+        let margin = if self.partners.touch() { allowed } else { self.reach(work, allowed, table) };
+        let found = self.master.candidates(&bounds.inflated(margin + SLACK * extent));
+        found.into_iter().filter(|&f| may_face(work.facets, work.facet, &self.master.facets, f, self.sign(work.whole, f))).collect()
+    }
+
+    /// How far partners of a facet may be: distances at its corners and centre, but not beyond what is allowed.
+    fn reach(&self, work: &Work<'_, 'a>, allowed: f64, table: &mut MapTable<2, 3>) -> f64 {
+        let polygon = work.facets.list[work.facet].polygon;
+        let mut points: Vec<Vector<2>> = (0..polygon.sides()).map(|k| polygon.corner(k)).collect();
+        points.push(polygon.center());
+        work.facets.at(work.facet, &points, Order::Values, table);
+        let far = table.x.iter().filter_map(|x| self.master.project(x)).map(|hit| hit.distance).fold(0.0, f64::max);
+        far.min(allowed)
+    }
+
+    /// Whether the middle of a facet has a partner.
+    fn touches(&self, chart: &mut Chart<'_>) -> bool {
+        let center = chart.polygon.center();
+        let x = chart.eval(&[center]).x[0];
+        let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], [0.0; 2]);
+        self.partners.touch() && self.master.project(&x).is_some_and(|hit| !hit.rim && hit.distance <= allowed)
+    }
+
+    /// Drops regions of which the closest point does not say that they face their facet.
+    fn confirm(&self, chart: &mut Chart<'_>, found: &mut Regions) {
+        found.list.retain(|region| {
+            let middle = region.chain.iter().fold(Vector::zeros(), |s: Vector<2>, piece| s + piece.from()) / region.chain.len() as f64;
+            let x = chart.eval(&[middle]).x[0];
+            self.master.owns(region.facet, &x)
+        });
+    }
+
+    /// Appends the points of a region with their feet; false where it is not paired.
+    fn pair(
+        &self,
+        work: &Work<'_, 'a>,
+        chart: &mut Chart<'_>,
+        region: &Region,
+        points: &Points,
+        part: &mut SlavePieces<2, f64>,
+        table: &mut MapTable<2, 3>,
+    ) -> bool {
+        if points.is_empty() {
+            return false;
+        }
+        let (own, other) = (&work.facets.list[work.facet], &self.master.facets.list[region.facet]);
+        let at: Vec<Vector<2>> = points.iter().map(|p| p.0).collect();
+        let (x, ds, normal) = {
+            let here = chart.eval(&at);
+            let ds: Vec<f64> = here.jacobian.iter().zip(points).map(|(j, p)| cross(j).norm() * p.1).collect();
+            (here.x.clone(), ds, cross(&here.jacobian[0]))
+        };
+        let measure: f64 = ds.iter().sum();
+        let center = x.iter().zip(&ds).fold(Vector::zeros(), |s: Vector<3>, (x, w)| s + x * *w) / measure.max(f64::MIN_POSITIVE);
+        let feet = self.master.feet(region.facet, &center, &x, table);
+        if !self.faces(own.element, other.element, &normal, region.facet, &feet[0], table) {
+            return false;
+        }
+        let lengths = [own.size, other.size];
+        let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], lengths);
+        let distance = |q: usize| (x[q] - feet[q].x).norm();
+        let mean = (0..x.len()).map(|q| distance(q) * ds[q]).sum::<f64>() / measure.max(f64::MIN_POSITIVE);
+        let is_far = match self.partners {
+            Partners::Touching(_) => false,
+            Partners::Near(_) => (0..x.len()).any(|q| distance(q) > allowed),
+            Partners::Facing { .. } => mean > allowed,
+        };
+        if is_far {
+            return false;
+        }
+        part.covered += measure;
+        for (q, x) in x.iter().enumerate() {
+            part.see(x, distance(q), allowed);
+        }
+        let list: Vec<Point<2, f64>> = (0..x.len()).map(|q| (own.local(&at[q]), other.local(&feet[q].eta), ds[q])).collect();
+        part.pieces.push((other.element, list));
+        true
+    }
+
+    /// Whether a facet opposes the slave's normal, where sides in contact have outward signs.
+    fn faces(&self, own: usize, other: usize, normal: &Vector<3>, f: usize, foot: &Foot, table: &mut MapTable<2, 3>) -> bool {
+        let Some((a, b)) = self.partners.outward(self.slave.map, own).zip(self.master.facets.map.outward(other)) else { return true };
+        self.master.facets.at(f, &[foot.eta], Order::Gradients, table);
+        opposes(&(normal * (a / normal.norm().max(f64::MIN_POSITIVE))), &unit_normal(&table.jacobian[0], b))
+    }
+}
+
+/// What was done of a facet: the share that has points, and whether a part is lost.
+#[derive(Clone, Copy)]
+struct Done {
+    share: f64,
+    lost: bool,
+}

@@ -1,0 +1,283 @@
+//! Vertices and edges of the facets of a surface, found by the places of their corners, with one normal along each edge.
+//!
+//! An edge leads from its vertex of lower number to the other one, t from 0 to 1. With m(t) the mean of the normals of the two
+//! facets that share it and v_0, v_1 the mean normals of all facets at its vertices,
+//!
+//! ```text
+//! n(t) = unit( m(t) + (1 - t) (v_0 - m(0)) + t (v_1 - m(1)) )
+//! ```
+//!
+//! is the same from both facets, continuous at vertices, and the normal itself wherever the surface is smooth. On a rim m is that of the
+//! only facet. The normals of one connected part of a surface point to one side of it; their signs are found by walking shared edges.
+
+use super::facets::Facets;
+use crate::basis::Order;
+use crate::geometry::{Bounds, MapTable, Tree, unit_normal};
+use crate::linalg::Vector;
+use std::collections::HashMap;
+
+/// Corners closer than this share of the shorter facet are one vertex.
+const SAME_VERTEX: f64 = 1e-7;
+/// Middles of sides between the same vertices closer than this share of the facet belong to one edge.
+const SAME_EDGE: f64 = 0.1;
+/// Normals are one to this difference.
+const SMOOTH: f64 = 1e-9;
+/// Normals are one, and points on one line, to this share.
+const STRAIGHT: f64 = 1e-14;
+
+/// An edge and the facets that share it.
+#[derive(Clone, Debug)]
+pub(super) struct Edge {
+    /// (facet, side) of the first facet and, unless the edge is a rim, of the second.
+    pub at: Vec<(usize, usize)>,
+    pub vertices: [usize; 2],
+    /// Whether its points lie on one line and its normals are one.
+    pub straight: bool,
+    /// Whether the normals of its facets and vertices agree along it.
+    smooth: bool,
+    /// m(0) and m(1).
+    means: [Vector<3>; 2],
+}
+
+/// A vertex: its place and the mean normal of the facets there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Vertex {
+    pub x: Vector<3>,
+    pub normal: Vector<3>,
+}
+
+/// Connectivity of the facets of one surface.
+#[derive(Debug)]
+pub(super) struct Skeleton {
+    pub vertices: Vec<Vertex>,
+    pub edges: Vec<Edge>,
+    /// Vertices at the corners of every facet.
+    pub corners: Vec<[usize; 4]>,
+    /// Edges of the sides of every facet; none where a side is a point.
+    pub sides: Vec<[Option<usize>; 4]>,
+    /// +1 or -1 per facet: its normal times this points to the same side as its neighbour's.
+    pub sign: Vec<f64>,
+    /// Connected part of every facet.
+    pub part: Vec<usize>,
+}
+
+impl Skeleton {
+    pub fn new(facets: &Facets<'_>) -> Self {
+        let mut table = MapTable::new();
+        let corners = merged_corners(facets, &mut table);
+        let count = corners.iter().flatten().filter(|&&v| v != usize::MAX).max().map_or(0, |&v| v + 1);
+        let (edges, sides) = joined_sides(facets, &corners, &mut table);
+        let mut skeleton = Self {
+            vertices: vec![Vertex { x: Vector::zeros(), normal: Vector::zeros() }; count],
+            edges,
+            corners,
+            sides,
+            sign: Vec::new(),
+            part: Vec::new(),
+        };
+        skeleton.walk(facets.list.len());
+        for (f, facet) in facets.list.iter().enumerate() {
+            for k in 0..facet.polygon.sides() {
+                let normal = facets.normal_at_corner(f, k, &mut table) * skeleton.sign[f];
+                facets.at(f, &[facet.polygon.corner(k)], Order::Values, &mut table);
+                let vertex = &mut skeleton.vertices[skeleton.corners[f][k]];
+                (vertex.x, vertex.normal) = (table.x[0], vertex.normal + normal);
+            }
+        }
+        for vertex in &mut skeleton.vertices {
+            let length = vertex.normal.norm();
+            vertex.normal /= if length > 1e-6 { length } else { 1.0 };
+        }
+        for e in 0..skeleton.edges.len() {
+            skeleton.classify(facets, e, &mut table);
+        }
+        skeleton
+    }
+
+    /// Signs and connected parts, from facet to facet across edges that two share.
+    fn walk(&mut self, count: usize) {
+        self.sign = vec![0.0; count];
+        self.part = vec![usize::MAX; count];
+        let mut parts = 0;
+        for first in 0..count {
+            if self.part[first] != usize::MAX {
+                continue;
+            }
+            (self.sign[first], self.part[first]) = (1.0, parts);
+            let mut open = vec![first];
+            while let Some(f) = open.pop() {
+                for (k, edge) in self.sides[f].iter().enumerate() {
+                    let Some(edge) = edge else { continue };
+                    let other = self.edges[*edge].at.iter().find(|at| **at != (f, k));
+                    let Some(&(g, j)) = other else { continue };
+                    if self.part[g] == usize::MAX {
+                        // neighbours of one orientation walk their common edge in opposite directions
+                        let same = self.is_forward(f, k) != self.is_forward(g, j);
+                        (self.sign[g], self.part[g]) = (if same { self.sign[f] } else { -self.sign[f] }, parts);
+                        open.push(g);
+                    }
+                }
+            }
+            parts += 1;
+        }
+    }
+
+    /// Whether side `k` of a facet leads from the first vertex of its edge to the second one.
+    pub fn is_forward(&self, f: usize, k: usize) -> bool {
+        let ids = &self.corners[f];
+        let sides = if ids[3] == usize::MAX { 3 } else { 4 };
+        ids[k] < ids[(k + 1) % sides]
+    }
+
+    /// Local points of facet `at` of an edge at the parameter t of the edge.
+    fn local(&self, facets: &Facets<'_>, (f, k): (usize, usize), t: f64) -> Vector<2> {
+        facets.list[f].polygon.on_side(k, if self.is_forward(f, k) { t } else { 1.0 - t })
+    }
+
+    /// The signed unit normal of a facet on its side at t of the edge.
+    fn facet_normal(&self, facets: &Facets<'_>, at: (usize, usize), t: f64, table: &mut MapTable<2, 3>) -> Vector<3> {
+        let facet = &facets.list[at.0];
+        let local = self.local(facets, at, t);
+        let normal = if facet.pole && local == Vector::<2>::new(0.0, 1.0) {
+            facets.normal_at_corner(at.0, 2, table)
+        } else {
+            facets.at(at.0, &[local], Order::Gradients, table);
+            unit_normal(&table.jacobian[0], 1.0)
+        };
+        normal * self.sign[at.0]
+    }
+
+    /// m(t).
+    fn mean(&self, facets: &Facets<'_>, edge: usize, t: f64, table: &mut MapTable<2, 3>) -> Vector<3> {
+        let sum = self.edges[edge].at.iter().fold(Vector::zeros(), |s: Vector<3>, &at| s + self.facet_normal(facets, at, t, table));
+        let length = sum.norm();
+        sum / if length > 1e-6 { length } else { 1.0 }
+    }
+
+    /// Finds whether an edge is straight and smooth, and its mean normals at the ends.
+    fn classify(&mut self, facets: &Facets<'_>, e: usize, table: &mut MapTable<2, 3>) {
+        let means = [0.0, 1.0].map(|t| self.mean(facets, e, t, table));
+        let ends = self.edges[e].vertices.map(|v| self.vertices[v]);
+        let (mut apart, mut bent) = (0.0f64, 0.0f64);
+        let chord = ends[1].x - ends[0].x;
+        for i in 0..=8 {
+            let t = f64::from(i) / 8.0;
+            let mean = self.mean(facets, e, t, table);
+            for &at in &self.edges[e].at {
+                apart = apart.max((self.facet_normal(facets, at, t, table) - mean).norm());
+            }
+            // the table has the last facet's point
+            let off = table.x[0] - ends[0].x;
+            bent = bent.max(off.cross(&chord).norm() / chord.norm_squared()).max((mean - means[0]).norm());
+        }
+        for (mean, end) in means.iter().zip(&ends) {
+            apart = apart.max((mean - end.normal).norm());
+        }
+        let far = ends[0].x.norm() / chord.norm();
+        let edge = &mut self.edges[e];
+        edge.smooth = apart <= SMOOTH;
+        edge.straight = apart.max(bent) <= STRAIGHT * (1.0 + far);
+        edge.means = means;
+    }
+
+    /// Position and unit normal at t of an edge.
+    pub fn edge_point(&self, facets: &Facets<'_>, e: usize, t: f64, table: &mut MapTable<2, 3>) -> (Vector<3>, Vector<3>) {
+        let edge = &self.edges[e];
+        for (k, &v) in edge.vertices.iter().enumerate() {
+            if t == k as f64 {
+                return (self.vertices[v].x, self.vertices[v].normal);
+            }
+        }
+        let own = self.facet_normal(facets, edge.at[0], t, table);
+        let x = table.x[0];
+        if edge.smooth {
+            return (x, own);
+        }
+        let mut mean = own;
+        if let Some(&at) = edge.at.get(1) {
+            mean += self.facet_normal(facets, at, t, table);
+            mean /= mean.norm().max(1e-6);
+        }
+        let ends = edge.vertices.map(|v| self.vertices[v].normal);
+        let n = mean + (ends[0] - edge.means[0]) * (1.0 - t) + (ends[1] - edge.means[1]) * t;
+        (x, n / n.norm().max(f64::MIN_POSITIVE))
+    }
+}
+
+/// The vertex at every corner of every facet: corners at the same place share it.
+fn merged_corners(facets: &Facets<'_>, table: &mut MapTable<2, 3>) -> Vec<[usize; 4]> {
+    let (mut places, mut size_at) = (Vec::new(), Vec::new());
+    for (f, facet) in facets.list.iter().enumerate() {
+        let points: Vec<Vector<2>> = (0..facet.polygon.sides()).map(|k| facet.polygon.corner(k)).collect();
+        facets.at(f, &points, Order::Values, table);
+        places.extend_from_slice(&table.x);
+        size_at.extend(points.iter().map(|_| facet.size * SAME_VERTEX));
+    }
+    let tree = Tree::new(places.iter().map(|x| Bounds { lo: *x, hi: *x }).collect());
+    let mut root: Vec<usize> = (0..places.len()).collect();
+    fn find(root: &mut [usize], mut k: usize) -> usize {
+        while root[k] != k {
+            root[k] = root[root[k]];
+            k = root[k];
+        }
+        k
+    }
+    for a in 0..places.len() {
+        let floor = places[a].amax() * 1e-14;
+        for b in tree.meeting(&tree.item(a).inflated(size_at[a] + floor)) {
+            if b > a && (places[a] - places[b]).norm() <= size_at[a].min(size_at[b]) + floor {
+                let (ra, rb) = (find(&mut root, a), find(&mut root, b));
+                root[ra.max(rb)] = ra.min(rb);
+            }
+        }
+    }
+    let (mut number, mut count, mut at) = (vec![usize::MAX; places.len()], 0, 0);
+    let mut corners = Vec::with_capacity(facets.list.len());
+    for facet in &facets.list {
+        let mut own = [usize::MAX; 4];
+        for vertex in own.iter_mut().take(facet.polygon.sides()) {
+            let r = find(&mut root, at);
+            if number[r] == usize::MAX {
+                number[r] = count;
+                count += 1;
+            }
+            (*vertex, at) = (number[r], at + 1);
+        }
+        corners.push(own);
+    }
+    corners
+}
+
+/// The edges, and the edge of every side: sides between the same vertices with the same middle are one.
+fn joined_sides(facets: &Facets<'_>, corners: &[[usize; 4]], table: &mut MapTable<2, 3>) -> (Vec<Edge>, Vec<[Option<usize>; 4]>) {
+    let mut edges: Vec<Edge> = Vec::new();
+    let mut middles: Vec<Vector<3>> = Vec::new();
+    let mut between: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
+    let mut sides = Vec::with_capacity(facets.list.len());
+    for (f, facet) in facets.list.iter().enumerate() {
+        let n = facet.polygon.sides();
+        let points: Vec<Vector<2>> = (0..n).map(|k| facet.polygon.on_side(k, 0.5)).collect();
+        facets.at(f, &points, Order::Values, table);
+        let mut own = [None; 4];
+        for (k, edge) in own.iter_mut().enumerate().take(n) {
+            let (a, b) = (corners[f][k], corners[f][(k + 1) % n]);
+            if a == b {
+                continue;
+            }
+            let key = [a.min(b), a.max(b)];
+            let known = between.entry(key).or_default();
+            let near = |e: &&usize| edges[**e].at.len() == 1 && (middles[**e] - table.x[k]).norm() <= SAME_EDGE * facet.size;
+            let found = known.iter().find(near).copied();
+            let e = found.unwrap_or_else(|| {
+                known.push(edges.len());
+                middles.push(table.x[k]);
+                edges.push(Edge { at: Vec::new(), vertices: key, straight: false, smooth: false, means: [Vector::zeros(); 2] });
+                edges.len() - 1
+            });
+            edges[e].at.push((f, k));
+            *edge = Some(e);
+        }
+        sides.push(own);
+    }
+    (edges, sides)
+}
