@@ -6,7 +6,8 @@ use crate::linalg::{Real, Vector};
 /// N_k = sum_i c_ik B_i: end-lowered, dual and truncated bases, Bezier extraction.
 ///
 /// Active functions are listed with rising ids. There is no block: combinations may have any sign and any order. Plain sums, where every
-/// inner function is in one of them, keep the patches, and on curves the polynomials that nothing joins where they are summed.
+/// inner function is in one of them, keep the patches and the polynomials that nothing joins where they are summed; of surfaces and solids
+/// also those of their own space, summed in the same way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extracted<B, T: Real = f64> {
     /// The underlying basis.
@@ -109,8 +110,14 @@ impl<const D: usize, B: Basis<D, T>, T: Real> Basis<D, T> for Extracted<B, T> {
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<D, T>>> {
         // sums are continuous where inner functions meet; of a lower degree, or without continuity, nothing joins them there
         let apart = matches!(wanted, Polynomials::Lowered(1..) | Polynomials::Uniform { continuity: -1, .. });
-        let sums = D == 1 && (0..self.rows.len()).all(|i| self.plain(i).is_some());
-        if apart && sums { self.inner.polynomials(wanted) } else { None }
+        let sums = (0..self.rows.len()).all(|i| self.plain(i).is_some());
+        let own = D > 1 && wanted == Polynomials::Lowered(0);
+        let found = self.inner.polynomials(wanted).filter(|_| sums && (apart || own))?;
+        match own {
+            false => Some(found),
+            true if found.num_functions() != self.rows.len() => None,
+            true => Some(Box::new(Extracted::new::<D>(found, self.functions, self.rows.clone()))),
+        }
     }
 }
 

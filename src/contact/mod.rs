@@ -2,6 +2,7 @@
 
 mod cone;
 mod curves;
+mod cylinder;
 mod depth;
 mod frames;
 mod gap;
@@ -16,12 +17,14 @@ mod pressed;
 mod pressure;
 mod surface;
 mod tail;
+mod torus;
 
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 
 pub use crate::geometry::opposes;
 pub use cone::{Cone, MOST_FUNCTIONS};
+pub use cylinder::Cylinder;
 pub use frames::ContactKinematics;
 pub use gap::{ContactError, ContactRows, Opponent, RowsAt};
 pub use greville::greville_points;
@@ -32,6 +35,7 @@ pub use obstacles::{HalfPlane, Moved, Sphere};
 pub use outline::{OutlineError, area_outline, curve_outline, without_seams};
 pub use pressure::ContactResultants;
 pub use surface::{OutlinePiece, Surface, pieces};
+pub use torus::Torus;
 
 /// Position of a point on a surface: element and local coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]

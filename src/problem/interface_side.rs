@@ -120,7 +120,7 @@ impl InterfaceQuadrature<2, 3> for NoRule {
     }
 }
 
-/// The library has the merged rule of surfaces; slave rules, sums over the master and multipliers come from outside.
+/// The library has the merged rule of surfaces and multipliers; slave rules and sums over the master come from outside.
 impl InterfaceSide<2, 3> for Trace<2, 3> {
     fn merged(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
         Box::new(MergedSurface { points, partners })
@@ -131,14 +131,16 @@ impl InterfaceSide<2, 3> for Trace<2, 3> {
     fn master_sums(_: usize, _: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
         Box::new(NoRule)
     }
-    fn multiplier(&self, _: MultiplierKind, _: &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<2>>, MultiplierError> {
-        Err(MultiplierError::Surfaces)
+    fn multiplier(&self, kind: MultiplierKind, constrained: &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<2>>, MultiplierError> {
+        multiplier::build_on_surface(&self.space, kind, &|i| constrained(self.dofs[i]))
     }
-    fn covered_dual(&self, _: &dyn Fn(usize) -> bool, _: &Segments<2>) -> Result<DualPair<2>, MultiplierError> {
-        Err(MultiplierError::Surfaces)
+    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, _: &Segments<2>) -> Result<DualPair<2>, MultiplierError> {
+        // there are none: the error lists what there is
+        let made = || self.multiplier(MultiplierKind::Dual, constrained);
+        Ok((made()?, made()?))
     }
-    fn without_slivers(&self, psi: Box<dyn Basis<2>>, _: &Segments<2>) -> Box<dyn Basis<2>> {
-        psi
+    fn without_slivers(&self, psi: Box<dyn Basis<2>>, faced: &Segments<2>) -> Box<dyn Basis<2>> {
+        multiplier::without_slivers(psi, &*self.space, faced)
     }
     fn half_width(_: &[ContactZone<'_, 2, 3>], _: bool) -> Option<Result<f64, NoHalfWidth>> {
         None

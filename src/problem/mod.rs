@@ -79,6 +79,7 @@ mod rigid_motions;
 mod rigid_rows;
 mod row_names;
 mod said;
+mod seam_edges;
 mod side;
 mod side_field;
 mod sizes;

@@ -1,8 +1,9 @@
 //! Multiplier spaces of slave sides.
 
 use super::model::{BodySide, Model};
-use crate::basis::{Basis, Cell, Extracted, Order, Polynomials, ShapeTable};
-use crate::coupling::multiplier::{MultiplierError, side_ends};
+use super::seam_edges::seam_twins;
+use crate::basis::{Basis, Extracted, Order, Polynomials, ShapeTable};
+use crate::coupling::multiplier::{MultiplierError, has_triangles, least_degree, numbered_alike, side_ends};
 use crate::linalg::Vector;
 use crate::space::{Space, Trace};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -33,14 +34,21 @@ pub(super) fn constrained_ends<const N: usize>(trace: &Trace<1, N>, constrained:
 /// degree.
 ///
 /// k = 1 is unstable on every side of tensor cells, k = 3, 5, ... on those of splines with one function per element: continuous
-/// functions of degree 3 have bubbles enough for constants. On triangles p/p-1 is another space.
+/// functions of degree 3 have bubbles enough for constants. On triangles polynomials that jump from one to the next need the bubbles of
+/// each, of degree p - 3; continuous ones are part of the space of the trace.
 pub(super) fn unstable_pairing<const S: usize, const N: usize>(space: &dyn Space<S, N>, psi: &dyn Basis<S>) -> Option<(usize, usize)> {
-    if S > 1 && (0..space.num_elements()).any(|e| space.cell(e) != Cell::Tensor) {
-        return None;
+    let basis: &dyn Basis<S> = space;
+    let (degree, highest) = (least_degree(basis), (0..psi.num_elements()).flat_map(|e| psi.degree(e)).max()?);
+    let lowered = degree.checked_sub(highest)?;
+    if has_triangles(basis) {
+        let mut ids = Vec::new();
+        let mut own = |e: usize| {
+            psi.active(e, &mut ids);
+            ids.len()
+        };
+        let jumps = (0..psi.num_elements()).map(&mut own).sum::<usize>() == psi.num_functions();
+        return (jumps && lowered < 3).then_some((degree, lowered));
     }
-    let least = |basis: &dyn Fn(usize) -> [usize; S]| (0..space.num_elements()).flat_map(basis).min();
-    let degree = least(&|e| space.degree(e))?;
-    let lowered = degree.checked_sub((0..space.num_elements()).flat_map(|e| psi.degree(e)).max()?)?;
     let smooth = || {
         let grow = |axis: &dyn Basis<1>| axis.num_functions() == axis.num_elements() + axis.degree(0)[0];
         space.structure().block(0).is_some_and(|b| b.axes.iter().all(|axis| grow(*axis)))
@@ -51,45 +59,31 @@ pub(super) fn unstable_pairing<const S: usize, const N: usize>(space: &dyn Space
 }
 
 /// Returns `psi` on a side that is glued to itself: its functions that belong to one function of the trace where the side closes become
-/// one. Multipliers with as many functions as the closed trace, or fewer, have no end there and stay as they are. A multiplier numbered
-/// like the trace follows the numbers of the trace; of any other, functions that are the only nonzero ones at a corner are matched.
+/// one. Multipliers of curves with as many functions as the closed trace, or fewer, have no end there and stay as they are, as do those of
+/// surfaces of another degree than the trace. A multiplier numbered like the trace follows the numbers of the trace; of any other, functions
+/// are matched that are the only nonzero ones at a corner of a curve, or that have the same values along an edge of a surface.
 pub fn wrapped<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &BodySide<S, N>,
     constrained: &dyn Fn(usize) -> bool,
     psi: Box<dyn Basis<S>>,
 ) -> Box<dyn Basis<S>> {
-    let space = &*slave.trace.space;
-    let whole: HashSet<usize> = slave.trace.dofs.iter().map(|&dof| model.function(slave.patch, dof)).collect();
-    if whole.len() == slave.trace.dofs.len() || psi.num_functions() <= whole.len() {
+    let (space, dofs) = (&*slave.trace.space, &slave.trace.dofs);
+    let whole: HashSet<usize> = dofs.iter().map(|&dof| model.function(slave.patch, dof)).collect();
+    if whole.len() == dofs.len() || (S == 1 && psi.num_functions() <= whole.len()) {
         return psi;
     }
-    let (mut ids, mut others, mut table) = (Vec::new(), Vec::new(), ShapeTable::new());
-    let numbered_alike = psi.num_functions() == space.num_functions()
-        && (0..space.num_elements()).all(|element| {
-            space.active(element, &mut ids);
-            psi.active(element, &mut others);
-            ids == others
-        });
-    let mut alone = |basis: &dyn Basis<S>, element: usize, corner: &Vector<S>| {
-        basis.active(element, &mut ids);
-        basis.tabulate(element, std::slice::from_ref(corner), Order::Values, &mut table);
-        let mut there = ids.iter().zip(table.values(0)).filter(|(_, value)| value.abs() > NO_VALUE).map(|(&i, _)| i);
-        there.next().filter(|_| there.next().is_none())
+    let twin = if numbered_alike(&*psi, space) {
+        let mut first: HashMap<usize, usize> = HashMap::new();
+        let free = (0..dofs.len()).filter(|&i| !constrained(dofs[i]));
+        free.map(|i| (i, *first.entry(model.function(slave.patch, dofs[i])).or_insert(i))).filter(|(i, one)| i != one).collect()
+    } else if S == 1 {
+        corner_twins(model, slave, constrained, &*psi)
+    } else {
+        seam_twins(model, slave, &*psi)
     };
-    // the multiplier of a function of the model, if both are the only nonzero ones at a corner
-    let mut first: HashMap<usize, usize> = HashMap::new();
-    let mut twin: BTreeMap<usize, usize> = BTreeMap::new();
-    for element in 0..space.num_elements() {
-        for k in 0..1usize << S {
-            let corner = Vector::<S>::from_fn(|d, _| f64::from(u8::from(k >> d & 1 == 1)));
-            let Some(i) = alone(&space, element, &corner).filter(|&i| !constrained(slave.trace.dofs[i])) else { continue };
-            let Some(j) = Some(i).filter(|_| numbered_alike).or_else(|| alone(&*psi, element, &corner)) else { continue };
-            let one = *first.entry(model.function(slave.patch, slave.trace.dofs[i])).or_insert(j);
-            if one != j {
-                twin.insert(j, one);
-            }
-        }
+    if twin.is_empty() {
+        return psi;
     }
     let mut next = 0;
     let mut number = vec![0; psi.num_functions()];
@@ -99,6 +93,40 @@ pub fn wrapped<const S: usize, const N: usize>(
             next += 1;
         }
     }
-    let rows = (0..number.len()).map(|j| vec![(number[*twin.get(&j).unwrap_or(&j)], 1.0)]).collect();
-    if twin.is_empty() { psi } else { Box::new(Extracted::new::<S>(psi, next, rows)) }
+    // where a surface closes in both directions, corners are joined twice
+    let root = |j: usize| std::iter::successors(Some(j), |j| twin.get(j).copied()).last().unwrap_or(j);
+    let rows = (0..number.len()).map(|j| vec![(number[root(j)], 1.0)]).collect();
+    Box::new(Extracted::new::<S>(psi, next, rows))
+}
+
+/// The function that takes the place of another one, if both are the only nonzero ones where the ends of a curve are glued.
+fn corner_twins<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    slave: &BodySide<S, N>,
+    constrained: &dyn Fn(usize) -> bool,
+    psi: &dyn Basis<S>,
+) -> BTreeMap<usize, usize> {
+    let space = &*slave.trace.space;
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    let mut alone = |basis: &dyn Basis<S>, element: usize, corner: &Vector<S>| {
+        basis.active(element, &mut ids);
+        basis.tabulate(element, std::slice::from_ref(corner), Order::Values, &mut table);
+        let mut there = ids.iter().zip(table.values(0)).filter(|(_, value)| value.abs() > NO_VALUE).map(|(&i, _)| i);
+        there.next().filter(|_| there.next().is_none())
+    };
+    // the multiplier of a function of the model, if both are the only nonzero ones at an end
+    let mut first: HashMap<usize, usize> = HashMap::new();
+    let mut twin = BTreeMap::new();
+    for element in 0..space.num_elements() {
+        for end in [0.0, 1.0] {
+            let corner = Vector::<S>::repeat(end);
+            let Some(i) = alone(&space, element, &corner).filter(|&i| !constrained(slave.trace.dofs[i])) else { continue };
+            let Some(j) = alone(psi, element, &corner) else { continue };
+            let one = *first.entry(model.function(slave.patch, slave.trace.dofs[i])).or_insert(j);
+            if one != j {
+                twin.insert(j, one);
+            }
+        }
+    }
+    twin
 }

@@ -1,14 +1,14 @@
-//! Fields along the slave sides of ties and contacts in the plane: lambda, gap, normal, and their values function by function.
+//! Fields along the slave sides of ties and contacts: lambda, gap, normal, and their values function by function.
 
 use super::arc_length::ArcLength;
 use super::contact_along::contact_along;
 use super::error::ProblemError;
 use super::handles::InterfaceId;
-use super::model::BodySide;
+use super::model::{BodySide, Opposing};
 use super::solution::Solution;
 use super::tie_along::tie_along;
 use crate::basis::{Basis, Order, ShapeTable};
-use crate::contact::{Obstacle, opposed};
+use crate::contact::{Obstacle, Surface, opposed};
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Vector, measure};
 use crate::quadrature::Quadrature;
@@ -16,26 +16,26 @@ use std::fmt::{Debug, Formatter};
 use std::sync::Arc;
 
 /// Numbers at local points of an element of a side, point by point.
-pub(super) type Field = Box<dyn Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync>;
+pub(super) type Field<const S: usize> = Box<dyn Fn(usize, &[Vector<S>]) -> Vec<f64> + Send + Sync>;
 
 /// Fields along a slave side, which keep their solution.
-pub struct SideField {
-    pub(super) lambda: Field,
-    pub(super) gap: Field,
-    pub(super) active: Field,
-    pub(super) traction: Field,
-    pub(super) normal: Field,
+pub struct SideField<const S: usize = 1, const N: usize = 2> {
+    pub(super) lambda: Field<S>,
+    pub(super) gap: Field<S>,
+    pub(super) active: Field<S>,
+    pub(super) traction: Field<S>,
+    pub(super) normal: Field<S>,
     pub(super) degree: usize,
-    pub(super) points: Vec<SidePoint>,
+    pub(super) points: Vec<SidePoint<N>>,
 }
 
 /// Values of a multiplier's function at its centre, or at a point of integration where there is no multiplier.
 #[derive(Clone, Debug, PartialEq)]
-pub struct SidePoint {
-    /// Arc length along the side \[length\].
-    pub s: f64,
-    /// The point \[length\].
-    pub x: Vector<2>,
+pub struct SidePoint<const N: usize = 2> {
+    /// Arc length along a curve \[length\]; `None` on surfaces.
+    pub s: Option<f64>,
+    /// The point \[length\]; of a function on a surface the mean place, weighted with its absolute value.
+    pub x: Vector<N>,
     /// lambda, one number per component, of contacts one: coefficients of the function [force/area].
     pub lambda: Vec<f64>,
     /// Gap of a contact; of a tie the jump u_slave - u_master, in elasticity along the outward normal of the master; `None` where nothing
@@ -45,30 +45,30 @@ pub struct SidePoint {
     pub active: bool,
 }
 
-impl SideField {
+impl<const S: usize, const N: usize> SideField<S, N> {
     /// lambda at local points of an element [force/area], components point by point; of contacts one, negative where they press.
-    pub fn lambda(&self, element: usize, xi: &[Vector<1>]) -> Vec<f64> {
+    pub fn lambda(&self, element: usize, xi: &[Vector<S>]) -> Vec<f64> {
         (self.lambda)(element, xi)
     }
 
     /// Gap of a contact \[length\]; of a tie the jump u_slave - u_master, in elasticity along the outward normal of the master, positive
     /// where it opens. Zero where nothing is faced.
-    pub fn gap(&self, element: usize, xi: &[Vector<1>]) -> Vec<f64> {
+    pub fn gap(&self, element: usize, xi: &[Vector<S>]) -> Vec<f64> {
         (self.gap)(element, xi)
     }
 
     /// 1 where a contact is closed, and on ties; else 0.
-    pub fn active(&self, element: usize, xi: &[Vector<1>]) -> Vec<f64> {
+    pub fn active(&self, element: usize, xi: &[Vector<S>]) -> Vec<f64> {
         (self.active)(element, xi)
     }
 
     /// Traction on the slave's body [force/area], components point by point: minus lambda, of contacts along the normal of what they face.
-    pub fn traction(&self, element: usize, xi: &[Vector<1>]) -> Vec<f64> {
+    pub fn traction(&self, element: usize, xi: &[Vector<S>]) -> Vec<f64> {
         (self.traction)(element, xi)
     }
 
     /// Unit normal of the master or obstacle, point by point; minus that of the slave where nothing is faced.
-    pub fn normal(&self, element: usize, xi: &[Vector<1>]) -> Vec<f64> {
+    pub fn normal(&self, element: usize, xi: &[Vector<S>]) -> Vec<f64> {
         (self.normal)(element, xi)
     }
 
@@ -77,14 +77,14 @@ impl SideField {
         self.degree
     }
 
-    /// Values at the centres of the multiplier's functions in their order; without a multiplier at the points of integration along the
-    /// side.
-    pub fn points(&self) -> &[SidePoint] {
+    /// Values at the centres of the multiplier's functions in their order; without a multiplier at the points of integration, of curves
+    /// along the side.
+    pub fn points(&self) -> &[SidePoint<N>] {
         &self.points
     }
 }
 
-impl Debug for SideField {
+impl<const S: usize, const N: usize> Debug for SideField<S, N> {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("SideField").field("degree", &self.degree).field("points", &self.points.len()).finish_non_exhaustive()
     }
@@ -101,46 +101,78 @@ impl Solution<1, 2> {
         let model = state.model();
         Ok(match of {
             InterfaceId::Tie(tie) => (side < model.ties[tie.number].parts.len()).then(|| tie_along(state, [tie.number, side])),
-            InterfaceId::Contact(contact) => {
-                (side < model.contacts[contact.number].parts.len()).then(|| contact_along(state, [contact.number, side]))
-            }
+            InterfaceId::Contact(contact) => model.contacts[contact.number].parts.get(side).map(|part| {
+                let faced = || -> Box<dyn Obstacle<1, 2>> {
+                    match &part.against {
+                        Opposing::Side(master, _) => Box::new(Surface::new(&master.trace, None)),
+                        Opposing::Rigid(obstacle, _) => obstacle.target(state.state().t, Some(&state.state().u)),
+                    }
+                };
+                contact_along(state, [contact.number, side], &faced, Some(&ArcLength::new(&*part.slave.trace.space)))
+            }),
         })
     }
 }
 
-/// The highest degree of a basis on a curve.
-pub(super) fn degree(psi: &dyn Basis<1>) -> usize {
-    (0..psi.num_elements()).map(|e| psi.degree(e)[0]).max().unwrap_or(1).max(1)
+impl Solution<2, 3> {
+    /// Fields on the slave side with a number, from 0, of a contact with an obstacle; `None` if there is no such side, and for ties and
+    /// contacts of two surfaces, whose fields are not in this version.
+    ///
+    /// # Errors
+    /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) as for [`multiplier`](Self::multiplier).
+    pub fn along(&self, of: impl Into<InterfaceId>, side: usize) -> Result<Option<SideField<2, 3>>, ProblemError> {
+        let (of, state) = (of.into(), &self.inner);
+        self.multiplier(of)?;
+        let InterfaceId::Contact(contact) = of else { return Ok(None) };
+        let Some(part) = state.model().contacts[contact.number].parts.get(side) else { return Ok(None) };
+        let Opposing::Rigid(obstacle, _) = &part.against else { return Ok(None) };
+        let faced = || obstacle.target(state.state().t, Some(&state.state().u));
+        Ok(Some(contact_along(state, [contact.number, side], &faced, None)))
+    }
 }
 
-/// The centre of every function along the side: arc length and point.
-pub(super) fn centres(side: &BodySide<1, 2>, psi: &dyn Basis<1>) -> Vec<(f64, Vector<2>)> {
+/// The highest degree of a basis.
+pub(super) fn degree<const S: usize>(psi: &dyn Basis<S>) -> usize {
+    (0..psi.num_elements()).flat_map(|e| psi.degree(e)).max().unwrap_or(1).max(1)
+}
+
+/// The centre of every function: its arc length on curves, and the point there; on surfaces the mean place.
+pub(super) fn centres<const S: usize, const N: usize>(
+    side: &BodySide<S, N>,
+    psi: &dyn Basis<S>,
+    arc: Option<&ArcLength<'_, N>>,
+) -> Vec<(Option<f64>, Vector<N>)> {
     let space = &*side.trace.space;
-    let arc = ArcLength::new(space);
-    let (mut sums, mut table, mut ids, mut map) = (vec![[0.0; 2]; psi.num_functions()], ShapeTable::new(), Vec::new(), MapTable::new());
+    let (mut table, mut ids, mut map) = (ShapeTable::new(), Vec::new(), MapTable::new());
+    // integrals of |psi|, |psi| s and |psi| x
+    let mut sums = vec![(0.0, 0.0, Vector::<N>::zeros()); psi.num_functions()];
     for e in 0..space.num_elements() {
         let rule = side.rules.rule(e);
         space.map(e, &rule.points, Order::Gradients, &mut map);
         psi.active(e, &mut ids);
         psi.tabulate(e, &rule.points, Order::Values, &mut table);
         for (q, &w) in rule.weights.iter().enumerate() {
-            let (s, ds) = (arc.of(e, rule.points[q][0]), w * measure(&map.jacobian[q]));
+            let (s, ds) = (arc.map_or(0.0, |arc| arc.of(e, rule.points[q][0])), w * measure(&map.jacobian[q]));
             for (&j, v) in ids.iter().zip(table.values(q)) {
-                sums[j][0] += v.abs() * ds * s;
-                sums[j][1] += v.abs() * ds;
+                let (weight, moment, place) = &mut sums[j];
+                *moment += v.abs() * ds * s;
+                *weight += v.abs() * ds;
+                *place += map.x[q] * (v.abs() * ds);
             }
         }
     }
-    sums.iter()
-        .map(|[moment, weight]| {
+    let centre = |(weight, moment, place): &(f64, f64, Vector<N>)| match arc {
+        Some(arc) => {
             let s = if *weight > 0.0 { moment / weight } else { 0.0 };
-            (s, arc.point(s))
-        })
-        .collect()
+            (Some(s), arc.point(s))
+        }
+        None => (None, place / if *weight > 0.0 { *weight } else { 1.0 }),
+    };
+    sums.iter().map(centre).collect()
 }
 
 /// The normal of the obstacle or master that faces each point of a slave element.
-pub(super) fn normals(slave: &Arc<BodySide<1, 2>>, target: Box<dyn Obstacle<1, 2>>) -> Field {
+pub(super) fn normals<const S: usize, const N: usize>(slave: &Arc<BodySide<S, N>>, target: Box<dyn Obstacle<S, N>>) -> Field<S> {
     let slave = Arc::clone(slave);
     Box::new(move |element, xi| {
         let mut map = MapTable::new();
@@ -149,8 +181,7 @@ pub(super) fn normals(slave: &Arc<BodySide<1, 2>>, target: Box<dyn Obstacle<1, 2
             .flat_map(|q| {
                 // points that face nothing show minus the slave's normal
                 let own = slave.trace.normal(element, &map.jacobian[q]);
-                let n = opposed(&*target, &map.x[q], &own).map_or(-own, |hit| hit.normal);
-                [n[0], n[1]]
+                opposed(&*target, &map.x[q], &own).map_or(-own, |hit| hit.normal).into_iter().copied().collect::<Vec<_>>()
             })
             .collect()
     })

@@ -9,6 +9,7 @@ use crate::basis::Order;
 use crate::contact::Surface;
 use crate::geometry::{ClosestPoint, Geometry, MapTable, Projection};
 use crate::linalg::Vector;
+use std::cmp::Ordering;
 use std::sync::Arc;
 
 type Plane = Arc<dyn State<1, 2>>;
@@ -16,7 +17,7 @@ type Plane = Arc<dyn State<1, 2>>;
 /// Fields along a slave side of a tie, by the numbers of both.
 pub(super) fn tie_along(state: &Plane, [t, p]: [usize; 2]) -> SideField {
     let part = &state.model().ties[t].parts[p];
-    let lambda = |sign: f64| -> Field {
+    let lambda = |sign: f64| -> Field<1> {
         let state = Arc::clone(state);
         let field = TieField::of(state.model(), &state.model().ties[t].parts[p], state.state().t);
         Box::new(move |element, xi| {
@@ -80,14 +81,14 @@ fn by_functions(state: &Plane, [t, p]: [usize; 2]) -> Vec<SidePoint> {
         let found = slave.project(x)?;
         jump(found.element, &[found.xi]).first().copied()
     };
-    centres(&part.slave, &*part.multipliers[richest])
+    centres(&part.slave, &*part.multipliers[richest], Some(&arc))
         .into_iter()
         .enumerate()
         .map(|(j, (s, x))| {
             let lambda = if rows.iter().all(|r| r.len() == rows[richest].len()) {
                 rows.iter().map(|r| state.state().lambda[r.start + j]).collect()
             } else {
-                at_centre(state, [t, p], slave.project(&arc.point(s)))
+                at_centre(state, [t, p], slave.project(&x))
             };
             SidePoint { s, x, lambda, gap: gap_at(&x), active: true }
         })
@@ -109,7 +110,7 @@ fn without_rows(state: &Plane, [t, p]: [usize; 2]) -> Vec<SidePoint> {
             part.slave.trace.space.map(element, xi, Order::Values, &mut map);
             for (i, gap) in jump(element, xi).into_iter().enumerate() {
                 rows.push(SidePoint {
-                    s: arc.of(element, xi[i][0]),
+                    s: Some(arc.of(element, xi[i][0])),
                     x: map.x[i],
                     lambda: lambda.iter().map(|values| values[points.start + i]).collect(),
                     gap: Some(gap),
@@ -118,7 +119,7 @@ fn without_rows(state: &Plane, [t, p]: [usize; 2]) -> Vec<SidePoint> {
             }
         }
     }
-    rows.sort_by(|a, b| a.s.total_cmp(&b.s));
+    rows.sort_by(|a, b| a.s.partial_cmp(&b.s).unwrap_or(Ordering::Equal));
     rows
 }
 

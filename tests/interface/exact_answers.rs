@@ -85,7 +85,11 @@ fn a_tie_under_tension_answers_with_its_exact_numbers() {
         }
         near(side.gap(2, &at)[0], 0.0);
         assert!(side.active(2, &at) == [1.0] && side.degree() > 0);
-        assert!(side.points().iter().all(|point| point.s >= 0.0 && point.s <= 2.0 && (point.x[1] - 1.0).abs() < 1e-12 && point.active));
+        assert!(
+            side.points()
+                .iter()
+                .all(|point| point.s.is_some_and(|s| (0.0..=2.0).contains(&s)) && (point.x[1] - 1.0).abs() < 1e-12 && point.active)
+        );
         let [low, high] = solution.extremes(upper, false, &|s| s.u[1]).unwrap().unwrap();
         near(low.value, STRAIN[1]);
         near(high.value, 2.0 * STRAIN[1]);

@@ -13,8 +13,8 @@ use faying::space::{Mesh, Patch};
 use std::sync::Arc;
 
 impl<const S: usize, const N: usize> Names<S, N> {
-    /// Creates the built-in backends, without other names.
-    fn bodies() -> Self {
+    /// The built-in names that both dimensions have: backends, methods of contact, multipliers, integrations.
+    fn of_both() -> Self {
         let mut names = Self::empty();
         names
             .backends
@@ -29,6 +29,12 @@ impl<const S: usize, const N: usize> Names<S, N> {
             };
             names.methods.add_keyed(&method.entry.name, method.entry.keys, make);
         }
+        let mut kinds = vec![MultiplierKind::Auto, MultiplierKind::Constant, MultiplierKind::Dual];
+        kinds.extend((0..=HIGHEST_PAIRING).map(MultiplierKind::Lowered));
+        for kind in kinds {
+            names.multipliers.add(&kind.to_string(), kind.into());
+        }
+        names.integrations.add("merged", Integration::Merged.into()).add("slave", Integration::Slave.into());
         names
     }
 }
@@ -59,12 +65,7 @@ const HIGHEST_PAIRING: usize = 12;
 impl Names<1, 2> {
     /// The built-in names of the plane.
     pub fn plane() -> Self {
-        let mut names = Self::bodies();
-        let mut kinds = vec![MultiplierKind::Auto, MultiplierKind::Constant, MultiplierKind::Dual];
-        kinds.extend((0..=HIGHEST_PAIRING).map(MultiplierKind::Lowered));
-        for kind in kinds {
-            names.multipliers.add(&kind.to_string(), kind.into());
-        }
+        let mut names = Self::of_both();
         names.shaped = Shaped(Some(PLANE_OBSTACLES));
         let keys = |name: &str| case::built_in_couplings().into_iter().find(|e| e.name == name).map_or_else(Vec::new, |e| e.keys);
         names
@@ -72,15 +73,14 @@ impl Names<1, 2> {
             .add_keyed("mortar", Vec::new(), Box::new(|_| Ok(Box::new(Mortar))))
             .add_keyed("nitsche", keys("nitsche"), Box::new(|given| Ok(Box::new(nitsche(given)))))
             .add_keyed("penalty", keys("penalty"), Box::new(|given| Ok(Box::new(penalty(given)))));
-        names.integrations.add("merged", Integration::Merged.into()).add("slave", Integration::Slave.into());
         names
     }
 }
 
 impl Names<2, 3> {
-    /// The built-in names of space: bodies; couplings of surfaces are not in this version.
+    /// The built-in names of space; couplings of surfaces are not in this version.
     pub fn volume() -> Self {
-        Self::bodies()
+        Self::of_both()
     }
 }
 

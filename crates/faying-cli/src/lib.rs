@@ -50,7 +50,7 @@ pub use commands::main;
 pub use errors::{Diagnostic, Diagnostics, Severity};
 pub use formula::Formula;
 pub use named::Named;
-pub use output::{FieldRange, Finished, Output, Parts, Picture, RunOptions, SideOutput, StepOutput};
+pub use output::{FieldRange, Finished, Output, Parts, Picture, RunOptions, SideOutput, SidePart, StepOutput};
 pub use place::{Located, Place};
 pub use registry::{Family, Fault, MakeSolver, Names, Registry, SolverOptions, UnknownName};
 pub use result::{RunResult, Status};

@@ -143,6 +143,29 @@ pub struct Picture {
 /// An exact multiplier at a point of the slave side.
 pub type ExactCurve = Box<dyn Fn(&Vector<2>) -> f64 + Send + Sync>;
 
+/// A slave side with its fields.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum SidePart {
+    /// A curve in the plane.
+    Curve(Part<'static, 1, 2>),
+    /// A surface in space.
+    Surface(Part<'static, 2, 3>),
+}
+
+impl SidePart {
+    /// The side as `interface_NAME.vtu`.
+    ///
+    /// # Errors
+    /// As [`vtu::write`].
+    pub fn vtu(&self) -> Result<Vec<u8>, VtuError> {
+        match self {
+            Self::Curve(part) => vtu::write(std::slice::from_ref(part)),
+            Self::Surface(part) => vtu::write(std::slice::from_ref(part)),
+        }
+    }
+}
+
 /// An interface or a contact as its files show it.
 pub struct SideOutput {
     /// Name in the case.
@@ -150,12 +173,12 @@ pub struct SideOutput {
     /// Whether it is a contact: its picture shows the pressure -lambda, else lambda itself.
     pub contact: bool,
     /// The slave side, [`Lagrange`](faying_files::vtu::CellStyle::Lagrange) or straight, `least_degree` that of the multiplier, with the
-    /// fields `lambda` (1, or 2 for ties in elasticity), `gap` (1; for ties the jump along the normal), `active` (1: 0 or 1), `traction`
-    /// (1 or 2), `normal` (2, of the master). Files of different sides may have different fields.
-    pub part: Part<'static, 1, 2>,
+    /// fields `lambda` (1, or N for ties in elasticity), `gap` (1; for ties the jump along the normal), `active` (1: 0 or 1), `traction`
+    /// (1 or N), `normal` (N, of the master). Files of different sides may have different fields.
+    pub part: SidePart,
     /// One per multiplier function: the table `interface_NAME.csv`.
     pub rows: Vec<InterfaceRow>,
-    /// The case's `exact` multiplier, for the picture.
+    /// The case's `exact` multiplier, for the picture of a curve.
     pub exact: Option<ExactCurve>,
 }
 

@@ -111,8 +111,8 @@ pub fn csv_field(text: &str) -> String {
 /// One multiplier function of an interface or a contact.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct InterfaceRow {
-    /// Arc length along the slave side where the function is centred \[length\].
-    pub s: f64,
+    /// Arc length along a curved slave side where the function is centred \[length\]; `None` on surfaces.
+    pub s: Option<f64>,
     /// Coordinates of that point \[length\].
     pub x: [f64; 3],
     /// The multiplier: one number in contact and for Poisson, else one per component.
@@ -123,7 +123,7 @@ pub struct InterfaceRow {
     pub active: bool,
 }
 
-/// `interface_NAME.csv`: s, x, y, z, lambda (one column per component), gap, active; a line per multiplier function.
+/// `interface_NAME.csv`: s (empty on surfaces), x, y, z, lambda (one column per component), gap, active; a line per multiplier function.
 pub fn interface_csv(rows: &[InterfaceRow]) -> String {
     let components = rows.first().map_or(1, |row| row.lambda.len());
     let lambda = match components {
@@ -132,10 +132,9 @@ pub fn interface_csv(rows: &[InterfaceRow]) -> String {
     };
     let mut text = format!("s,x,y,z,{lambda},gap,active\n");
     for row in rows {
-        let numbers = std::iter::once(&row.s).chain(&row.x).chain(row.lambda.iter().take(3)).map(|&v| exact(v));
-        let gap = row.gap.map(exact).unwrap_or_default();
-        text.push_str(&numbers.collect::<Vec<_>>().join(","));
-        text.push_str(&format!(",{gap},{}\n", u8::from(row.active)));
+        let [s, gap] = [row.s, row.gap].map(|v| v.map(exact).unwrap_or_default());
+        let numbers = row.x.iter().chain(row.lambda.iter().take(3)).map(|&v| exact(v));
+        text.push_str(&format!("{s},{},{gap},{}\n", numbers.collect::<Vec<_>>().join(","), u8::from(row.active)));
     }
     text
 }
@@ -160,9 +159,11 @@ mod tests {
         for x in [0.1, -1.25e-3, std::f64::consts::PI, 5e-324, 1.0 / 3.0] {
             assert_eq!(exact(x).parse::<f64>().unwrap(), x);
         }
-        let row = InterfaceRow { s: 0.5, x: [1.0, 2.0, 0.0], lambda: vec![-0.1], gap: Some(0.0), active: true };
+        let row = InterfaceRow { s: Some(0.5), x: [1.0, 2.0, 0.0], lambda: vec![-0.1], gap: Some(0.0), active: true };
         let text = interface_csv(&[row]);
         assert!(text.starts_with("s,x,y,z,lambda,gap,active\n5.0000000000000000e-1,"));
         assert!(text.ends_with(",1\n"));
+        let on_surface = InterfaceRow { lambda: vec![0.0], ..InterfaceRow::default() };
+        assert!(interface_csv(&[on_surface]).contains("\n,0.0000000000000000e0,"));
     }
 }

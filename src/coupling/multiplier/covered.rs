@@ -81,7 +81,7 @@ pub fn dual_covered<const N: usize, T: Real>(
     (0..segments.num_pieces()).for_each(|piece| points[segments.slave[piece]].push(segments.points(piece)));
     let (mut pieces, mut elements) = (Vec::with_capacity(points.len()), Vec::with_capacity(points.len()));
     for (element, own) in points.iter().enumerate() {
-        let in_part = !own.is_empty() && !is_whole(segments, own);
+        let in_part = !own.is_empty() && !is_whole(segments, element, own);
         let gone = if in_part { &gone_in_part } else { &gone };
         let in_order = Ordered::of(&**space, element, gone, &mut work);
         let (mut piece, owner, is_bernstein) = if in_part {
@@ -141,9 +141,12 @@ fn drop_unused<T: Real>(functions: usize, pieces: &mut [ElementPolynomials<T>], 
     used
 }
 
-/// Whether the points of these pieces span an element. They are the Gauss points of the element, divided among the masters, or each
-/// piece has its own, which give its beginning and end.
-pub(super) fn is_whole<T: Real>(segments: &Segments<1, T>, pieces: &[Range<usize>]) -> bool {
+/// Whether the points of these pieces span an element. On curves they are the Gauss points of the element, divided among the masters, or
+/// each piece has its own, which give its beginning and end; of surfaces the segments tell their share.
+pub(super) fn is_whole<const S: usize, T: Real>(segments: &Segments<S, T>, element: usize, pieces: &[Range<usize>]) -> bool {
+    if S > 1 {
+        return segments.report.share.get(element).is_none_or(|&share| share >= T::one() - lit(WHOLE));
+    }
     let mut all: Vec<f64> = pieces.iter().flat_map(|p| &segments.slave_xi[p.clone()]).map(|xi| to_f64(xi[0])).collect();
     all.sort_by(f64::total_cmp);
     let mut rule: Vec<f64> = gauss_legendre::<f64>(all.len()).points.iter().map(|x| x[0]).collect();

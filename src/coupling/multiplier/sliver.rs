@@ -1,4 +1,4 @@
-//! Functions of a contact's multiplier that live on a sliver: the master ends within an element of the slave.
+//! Functions of a contact's multiplier that live on a sliver: what the slave faces ends within an element of it.
 //!
 //! The last functions on such an element face the master by a part of theirs that may be arbitrarily small, and nothing bounds the pressure
 //! there: a hat function over 1e-4 of its element takes a tenth of the force with 5,000 times the mean pressure. So a function that lives on
@@ -9,20 +9,23 @@
 //! ```
 //!
 //! gives its share to the neighbour with most of what is covered: N_k' = N_k + N_j. The functions stay non-negative and sum to one. Where all
-//! functions of an element are of that kind the neighbour is one of the element beside it, and without one they stay.
+//! functions of an element are of that kind the neighbour is one of the element beside it, of surfaces of those at its corners, and without
+//! one they stay.
 
 use super::covered::is_whole;
+use crate::assembly::element_rule;
 use crate::basis::{Basis, Extracted, Order, ShapeTable};
 use crate::coupling::Segments;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector, measure, to_f64};
-use crate::quadrature::gauss_legendre;
+use crate::quadrature::Quadrature;
+use std::collections::HashMap;
 use std::ops::Range;
 
 /// Least share of the integral of a function over its elements.
 pub const SLIVER: f64 = 0.1;
-/// Gauss points of an element beyond its degree.
-const POINTS: usize = 4;
+/// Gauss points of an element beyond its degree and one.
+const POINTS: usize = 3;
 
 /// A function that lives on a sliver.
 struct Sliver {
@@ -43,87 +46,153 @@ pub(super) fn lives_on_sliver<const N: usize, T: Real>(
 }
 
 /// `basis` with the functions that live on slivers given to their neighbours; `segments`: what faces the side `space`.
-pub fn without_slivers<const N: usize, T: Real>(
-    basis: Box<dyn Basis<1, T>>,
-    space: &dyn Geometry<1, N, T>,
-    segments: &Segments<1, T>,
-) -> Box<dyn Basis<1, T>> {
+pub fn without_slivers<const S: usize, const N: usize, T: Real>(
+    basis: Box<dyn Basis<S, T>>,
+    space: &dyn Geometry<S, N, T>,
+    segments: &Segments<S, T>,
+) -> Box<dyn Basis<S, T>> {
     let found = slivers(&*basis, space, segments);
     if found.is_empty() {
         return basis;
     }
-    let (mut number, mut functions) = (Vec::with_capacity(basis.num_functions()), 0);
-    for i in 0..basis.num_functions() {
+    let mut rows = vec![None; basis.num_functions()];
+    found.iter().for_each(|s| rows[s.function] = Some(s.heir));
+    let (mut number, mut functions) = (Vec::with_capacity(rows.len()), 0);
+    for heir in &rows {
         number.push(functions);
-        functions += usize::from(found.iter().all(|s| s.function != i));
+        functions += usize::from(heir.is_none());
     }
-    let mut rows: Vec<Vec<(usize, T)>> = number.iter().map(|&k| vec![(k, T::one())]).collect();
-    for s in &found {
-        rows[s.function] = vec![(number[s.heir], T::one())];
-    }
-    Box::new(Extracted::new::<1>(basis, functions, rows))
+    let rows = rows.iter().enumerate().map(|(i, heir)| vec![(number[heir.unwrap_or(i)], T::one())]).collect();
+    Box::new(Extracted::new::<S>(basis, functions, rows))
 }
 
-fn slivers<const N: usize, T: Real>(basis: &dyn Basis<1, T>, space: &dyn Geometry<1, N, T>, segments: &Segments<1, T>) -> Vec<Sliver> {
-    let elements = basis.num_elements();
-    let mut own: Vec<Vec<Range<usize>>> = vec![Vec::new(); elements];
-    (0..segments.num_pieces()).for_each(|piece| own[segments.slave[piece]].push(segments.points(piece)));
-    let in_part: Vec<usize> = (0..elements).filter(|&e| !own[e].is_empty() && !is_whole(segments, &own[e])).collect();
+/// A side with the points of it that are covered.
+struct Covered<'a, const S: usize, const N: usize, T: Real> {
+    basis: &'a dyn Basis<S, T>,
+    space: &'a dyn Geometry<S, N, T>,
+    segments: &'a Segments<S, T>,
+    /// Points of each element.
+    own: Vec<Vec<Range<usize>>>,
+    /// Integral of each function over what is covered of the elements that are covered in part.
+    covered: Vec<f64>,
+    is_sliver: Vec<bool>,
+}
+
+impl<'a, const S: usize, const N: usize, T: Real> Covered<'a, S, N, T> {
+    fn new(basis: &'a dyn Basis<S, T>, space: &'a dyn Geometry<S, N, T>, segments: &'a Segments<S, T>) -> Self {
+        let mut own: Vec<Vec<Range<usize>>> = vec![Vec::new(); basis.num_elements()];
+        (0..segments.num_pieces()).for_each(|piece| own[segments.slave[piece]].push(segments.points(piece)));
+        Self { basis, space, segments, own, covered: Vec::new(), is_sliver: Vec::new() }
+    }
+
+    /// Elements that are covered in part.
+    fn in_part(&self) -> Vec<usize> {
+        let own = |e: usize| &self.own[e];
+        (0..self.own.len()).filter(|&e| !own(e).is_empty() && !is_whole(self.segments, e, own(e))).collect()
+    }
+
+    /// Finds the functions that live on slivers.
+    fn measure(&mut self, in_part: &[usize]) {
+        let (basis, segments, n) = (self.basis, self.segments, self.basis.num_functions());
+        let (mut ids, mut table, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
+        let mut on_whole = vec![false; n];
+        for e in (0..self.own.len()).filter(|e| !self.own[*e].is_empty() && in_part.binary_search(e).is_err()) {
+            basis.active(e, &mut ids);
+            ids.iter().for_each(|&i| on_whole[i] = true);
+        }
+        // integrals over what is covered, and over whole elements
+        let (mut covered, mut whole) = (vec![0.0; n], vec![0.0; n]);
+        for &e in in_part {
+            basis.active(e, &mut ids);
+            for points in &self.own[e] {
+                basis.tabulate(e, &segments.slave_xi[points.clone()], Order::Values, &mut table);
+                for (q, ds) in segments.ds[points.clone()].iter().enumerate() {
+                    ids.iter().zip(table.values(q)).for_each(|(&i, v)| covered[i] += to_f64(v.abs() * *ds));
+                }
+            }
+            let rules = element_rule(basis, e, POINTS);
+            let rule = rules.rule(0);
+            basis.tabulate(e, &rule.points, Order::Values, &mut table);
+            self.space.map(e, &rule.points, Order::Gradients, &mut map);
+            for (q, &w) in rule.weights.iter().enumerate() {
+                let ds = w * measure(&map.jacobian[q]);
+                ids.iter().zip(table.values(q)).for_each(|(&i, v)| whole[i] += to_f64(v.abs() * ds));
+            }
+        }
+        self.is_sliver = (0..n).map(|i| !on_whole[i] && covered[i] > 0.0 && covered[i] < SLIVER * whole[i]).collect();
+        self.covered = covered;
+    }
+
+    /// The function with most of what is covered of those that live on no sliver.
+    fn greatest(&self, ids: impl Iterator<Item = usize>) -> Option<usize> {
+        ids.filter(|&i| !self.is_sliver[i]).max_by(|&a, &b| self.covered[a].total_cmp(&self.covered[b]))
+    }
+
+    /// A function of the element beside the end of element `e` of a curve that is covered.
+    fn beside_on_curve(&self, e: usize) -> Option<usize> {
+        let (mut map, mut table, mut ids) = (MapTable::new(), ShapeTable::new(), Vec::new());
+        let at_end = |at: usize| Vector::<S, T>::repeat(if at == 0 { T::zero() } else { T::one() });
+        let mut end = |e: usize, at: usize| {
+            self.space.map(e, &[at_end(at)], Order::Values, &mut map);
+            map.x[0]
+        };
+        // the element at the end that is covered
+        let xi = || self.own[e].iter().flat_map(|p| &self.segments.slave_xi[p.clone()]).map(|xi| to_f64(xi[0]));
+        let (first, last) = (xi().fold(1.0, f64::min), xi().fold(0.0, f64::max));
+        let here = end(e, usize::from(first >= 1.0 - last));
+        let others = (0..self.own.len()).filter(|&b| b != e && !self.own[b].is_empty());
+        let apart = others.flat_map(|b| [0, 1].map(|at| (b, at))).map(|(b, at)| (to_f64((end(b, at) - here).norm()), b, at));
+        let (_, b, at) = apart.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        self.basis.active(b, &mut ids);
+        self.basis.tabulate(b, &[at_end(at)], Order::Values, &mut table);
+        let values = ids.iter().zip(table.values(0)).filter(|(i, _)| !self.is_sliver[**i]);
+        values.max_by(|a, b| to_f64(*a.1).total_cmp(&to_f64(*b.1))).map(|(i, _)| *i)
+    }
+
+    /// Elements at every corner, by its id.
+    fn at_corners(&self) -> HashMap<usize, Vec<usize>> {
+        let (mut at, mut ids) = (HashMap::<usize, Vec<usize>>::new(), Vec::new());
+        for e in 0..self.own.len() {
+            self.basis.corners(e, &mut ids);
+            ids.iter().for_each(|&id| at.entry(id).or_default().push(e));
+        }
+        at
+    }
+
+    /// A function of the elements at the corners of element `e` of a surface.
+    fn beside_on_surface(&self, e: usize, at_corners: &HashMap<usize, Vec<usize>>) -> Option<usize> {
+        let (mut corners, mut ids, mut all) = (Vec::new(), Vec::new(), Vec::new());
+        self.basis.corners(e, &mut corners);
+        for &other in corners.iter().flat_map(|id| &at_corners[id]).filter(|&&b| b != e && !self.own[b].is_empty()) {
+            self.basis.active(other, &mut ids);
+            all.extend_from_slice(&ids);
+        }
+        self.greatest(all.into_iter())
+    }
+}
+
+fn slivers<const S: usize, const N: usize, T: Real>(
+    basis: &dyn Basis<S, T>,
+    space: &dyn Geometry<S, N, T>,
+    segments: &Segments<S, T>,
+) -> Vec<Sliver> {
+    let mut side = Covered::new(basis, space, segments);
+    let in_part = side.in_part();
     if in_part.is_empty() {
         return Vec::new();
     }
-    let (mut ids, mut table, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
-    let mut on_whole = vec![false; basis.num_functions()];
-    for e in (0..elements).filter(|e| !own[*e].is_empty() && in_part.binary_search(e).is_err()) {
-        basis.active(e, &mut ids);
-        ids.iter().for_each(|&i| on_whole[i] = true);
-    }
-    // integrals over what is covered, and over whole elements
-    let n = basis.num_functions();
-    let (mut covered, mut whole) = (vec![0.0; n], vec![0.0; n]);
+    side.measure(&in_part);
+    let at_corners = if S == 1 { HashMap::new() } else { side.at_corners() };
+    let (mut ids, mut found) = (Vec::new(), Vec::new());
     for &e in &in_part {
         basis.active(e, &mut ids);
-        for points in &own[e] {
-            basis.tabulate(e, &segments.slave_xi[points.clone()], Order::Values, &mut table);
-            for (q, ds) in segments.ds[points.clone()].iter().enumerate() {
-                ids.iter().zip(table.values(q)).for_each(|(&i, v)| covered[i] += to_f64(v.abs() * *ds));
-            }
+        let mut mine = ids.iter().copied().filter(|&i| side.is_sliver[i]).peekable();
+        if mine.peek().is_none() {
+            continue;
         }
-        let rule = gauss_legendre::<T>(basis.degree(e)[0] + POINTS);
-        basis.tabulate(e, &rule.points, Order::Values, &mut table);
-        space.map(e, &rule.points, Order::Gradients, &mut map);
-        for (q, &w) in rule.weights.iter().enumerate() {
-            let ds = w * measure(&map.jacobian[q]);
-            ids.iter().zip(table.values(q)).for_each(|(&i, v)| whole[i] += to_f64(v.abs() * ds));
-        }
-    }
-    let is_sliver = |i: usize| !on_whole[i] && covered[i] > 0.0 && covered[i] < SLIVER * whole[i];
-    let end = |map: &mut MapTable<1, N, T>, e: usize, at: usize| {
-        space.map(e, &[Vector::<1, T>::new(if at == 0 { T::zero() } else { T::one() })], Order::Values, map);
-        map.x[0]
-    };
-    let mut found = Vec::new();
-    for &e in &in_part {
-        basis.active(e, &mut ids);
-        let mine: Vec<usize> = ids.iter().copied().filter(|&i| is_sliver(i)).collect();
-        let mut heir = ids.iter().copied().filter(|&i| !is_sliver(i)).max_by(|&a, &b| covered[a].total_cmp(&covered[b]));
-        if heir.is_none() {
-            // the element at the end that is covered
-            let xi = || own[e].iter().flat_map(|p| &segments.slave_xi[p.clone()]).map(|xi| to_f64(xi[0]));
-            let (first, last) = (xi().fold(1.0, f64::min), xi().fold(0.0, f64::max));
-            let here = end(&mut map, e, usize::from(first >= 1.0 - last));
-            let others = (0..elements).filter(|&b| b != e && !own[b].is_empty());
-            let apart = others.flat_map(|b| [0, 1].map(|at| (b, at))).map(|(b, at)| (to_f64((end(&mut map, b, at) - here).norm()), b, at));
-            let nearest = apart.min_by(|a, b| a.0.total_cmp(&b.0));
-            heir = nearest.and_then(|(_, b, at)| {
-                basis.active(b, &mut ids);
-                basis.tabulate(b, &[Vector::<1, T>::new(if at == 0 { T::zero() } else { T::one() })], Order::Values, &mut table);
-                let values = ids.iter().zip(table.values(0)).filter(|(i, _)| !is_sliver(**i));
-                values.max_by(|a, b| to_f64(*a.1).total_cmp(&to_f64(*b.1))).map(|(i, _)| *i)
-            });
-        }
-        let Some(heir) = heir else { continue };
-        found.extend(mine.into_iter().map(|function| Sliver { function, heir }));
+        let beside = || if S == 1 { side.beside_on_curve(e) } else { side.beside_on_surface(e, &at_corners) };
+        let Some(heir) = side.greatest(ids.iter().copied()).or_else(beside) else { continue };
+        found.extend(mine.map(|function| Sliver { function, heir }));
     }
     found.sort_by_key(|s| s.function);
     found.dedup_by_key(|s| s.function);

@@ -226,16 +226,18 @@ impl Reader {
         }
     }
 
-    /// Reports interfaces and contacts between surfaces, which this version does not have, and forces of obstacles that a method cannot take.
+    /// Reports ties of surfaces and contact of two bodies in space, which this version does not have, and forces of obstacles that a method
+    /// cannot take.
     pub fn surfaces(&mut self, case: &Case) {
         if case.model.dimension.value == 3 {
             for tie in case.interfaces.iter().filter(|t| ["mortar", "nitsche", "penalty"].contains(&t.coupling.value.as_str())) {
                 let help = "share the unknowns of sides that match by coupling = \"glue\", or take a plane model";
                 self.fault("E019", tie.head.at, "interfaces between surfaces are not in this version", help);
             }
-            for c in &case.contacts {
-                let help = "take a plane model of the cross-section: contact between lines is there";
-                self.fault("E019", c.head.at, "contact between surfaces is not in this version", help);
+            for c in case.contacts.iter().filter(|c| matches!(c.master, Master::Sides(_))) {
+                let help =
+                    "make the stiffer body a rigid obstacle, or take a plane model of the cross-section: contact between lines is there";
+                self.fault("E019", c.head.at, "contact of two bodies in space is not in this version", help);
             }
         }
         for c in case.contacts.iter().filter(|c| !c.needs.pressed) {

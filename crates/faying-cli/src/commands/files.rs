@@ -3,8 +3,7 @@
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::plot::{self, FieldPlot, IterationPlot, SidePlot};
 use crate::table;
-use crate::{Output, RunResult, SideOutput};
-use faying_files::vtu;
+use crate::{Output, RunResult, SideOutput, SidePart};
 
 /// A file to be written.
 #[derive(Clone, Debug)]
@@ -24,7 +23,7 @@ pub fn stems(output: &Output) -> Vec<String> {
 /// The contents of the `.vtu` files, in the order of [`stems`].
 pub fn vtus(output: &Output) -> impl Iterator<Item = Result<Vec<u8>, String>> {
     let fields = (!output.parts.is_empty()).then(|| output.parts.vtu().map_err(|e| e.to_string()));
-    fields.into_iter().chain(output.sides.iter().map(|s| vtu::write(std::slice::from_ref(&s.part)).map_err(|e| e.to_string())))
+    fields.into_iter().chain(output.sides.iter().map(|s| s.part.vtu().map_err(|e| e.to_string())))
 }
 
 /// The name of a file of a step.
@@ -51,7 +50,7 @@ pub fn of(output: &Output, with_vtu: bool, trouble: &mut Diagnostics) -> Vec<Nam
     for side in &output.sides {
         let name = |end: &str| format!("interface_{}.{end}", side.name);
         if with_vtu {
-            add(name("vtu"), vtu::write(std::slice::from_ref(&side.part)).map_err(|e| e.to_string()));
+            add(name("vtu"), side.part.vtu().map_err(|e| e.to_string()));
         }
         add(name("csv"), Ok(table::interface_csv(&side.rows).into_bytes()));
         add(name("svg"), picture(output, side).map(String::into_bytes).map_err(|e| e.to_string()));
@@ -65,8 +64,16 @@ fn picture(output: &Output, side: &SideOutput) -> Result<String, plot::PlotError
         (false, true) => format!("{}: pressure on {}", output.title, side.name),
         (false, false) => format!("{}: multiplier on {}", output.title, side.name),
     };
-    let exact = side.exact.as_ref().map(|f| &**f as plot::ExactCurve<'_>);
-    plot::side(&SidePlot { title: &title, contact: side.contact, rows: &side.rows, exact }, &side.part)
+    match &side.part {
+        SidePart::Curve(part) => {
+            let exact = side.exact.as_ref().map(|f| &**f as plot::ExactCurve<'_>);
+            plot::side(&SidePlot { title: &title, contact: side.contact, rows: &side.rows, exact }, part)
+        }
+        SidePart::Surface(part) => {
+            let (label, sign) = if side.contact { ("pressure", -1.0) } else { ("lambda", 1.0) };
+            plot::surface(&FieldPlot { title: &title, label, field: "lambda", component: 0, range: None }, sign, part)
+        }
+    }
 }
 
 /// `active_set.svg`; `None` without an iteration of the active set.

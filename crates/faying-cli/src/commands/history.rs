@@ -13,16 +13,16 @@ fn of_contact(c: &ContactReport) -> Vec<(String, f64)> {
         Moment::Space(list) => all.extend(list.iter().zip(AXES).map(|(m, axis)| (format!("moment.{axis}"), *m))),
     }
     let numbers = [
-        ("area", c.area),
-        ("pressure.min", c.pressure.min),
-        ("pressure.max", c.pressure.max),
-        ("gap.min", c.gap.min),
-        ("gap.least", c.gap.least),
-        ("active", c.active as f64),
+        ("area", Some(c.area)),
+        ("pressure.min", Some(c.pressure.min)),
+        ("pressure.max", Some(c.pressure.max)),
+        ("gap.min", Some(c.gap.min)),
+        ("gap.least", Some(c.gap.least)),
+        ("active", Some(c.active as f64)),
         ("half_width", c.half_width),
-        ("iterations", c.iterations as f64),
+        ("iterations", Some(c.iterations as f64)),
     ];
-    all.extend(numbers.map(|(name, value)| (name.to_owned(), value)));
+    all.extend(numbers.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))));
     all
 }
 

@@ -28,10 +28,11 @@ macro_rules! sample {
     };
 }
 
-const SAMPLES: [Sample; 11] = [
+const SAMPLES: [Sample; 12] = [
     sample!("poisson-arc", "Poisson on a ring sector with a known solution"),
     sample!("contact-patch", "two blocks pressed together: uniform stress across meshes that do not match"),
     sample!("hertz", "a half cylinder pressed on a rigid plane, against the formula of Hertz"),
+    sample!("hertz-solid", "a rigid ball pressed on a block in three dimensions, against the formula of Hertz"),
     sample!("shrink-fit", "a ring shrunk on another, against the formula of Lame"),
     sample!("cylinder-on-block", "a steel cylinder on an aluminium block, benchmark of NAFEMS"),
     sample!("iga-fe-arc", "a NURBS ring tied to a triangle mesh"),

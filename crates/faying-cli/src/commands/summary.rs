@@ -117,7 +117,7 @@ fn contacts(result: &RunResult) -> Table {
             vector(&c.force),
             short(c.pressure.max, 6),
             short(c.area, 6),
-            short(c.half_width, 6),
+            c.half_width.map_or("-".to_owned(), |width| short(width, 6)),
             short(c.gap.least, 3),
             c.active.to_string(),
         ]);

@@ -69,7 +69,11 @@ pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watc
     }
     let spaces = match case.model.dimension.value {
         2 => slave_spaces(case, &registry.plane, plane_net, options.ends)?,
-        // sides of bodies in space carry no multipliers in this version
+        _ if case.contacts.iter().any(|c| c.needs.multiplier) => {
+            let fault = Diagnostic::error("E019", "inf-sup constants of surfaces are not in this version");
+            let help = "on sides of tensor cells they are the products of those of the two directions: take a plane model of each";
+            return Err(fault.with_help(help).in_file(&case.source.name).into());
+        }
         _ => Vec::new(),
     };
     if spaces.is_empty() {

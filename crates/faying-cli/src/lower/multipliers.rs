@@ -7,10 +7,12 @@ use crate::errors::Diagnostic;
 use crate::place::{Located, Place};
 use crate::registry::is_glue;
 use crate::words::component_name;
-use faying::basis::Polynomials;
-use faying::coupling::multiplier::{MultiplierError, MultiplierKind};
+use faying::coupling::multiplier::{MultiplierError, MultiplierKind, has_triangles};
 use faying::problem::{self, Contents, Problem, SideView, Statement};
 use std::sync::Arc;
+
+/// The multiplier that every side has.
+pub(super) const FULL: &str = "p/p";
 
 /// Returns the multiplier `wanted` by the case.
 pub(super) fn multiplier<const S: usize, const N: usize>(
@@ -21,11 +23,8 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
         Multiplier::Named(word) => {
             builder.names.multipliers.get(word).cloned().map_err(|unknown| Box::new(builder.error("E064", unknown.to_string(), wanted.at)))
         }
-        Multiplier::Data { degree, continuity, ends } if S == 1 => {
+        Multiplier::Data { degree, continuity, ends } => {
             Ok(MultiplierKind::Uniform { degree: *degree, continuity: *continuity, ends: *ends }.into())
-        }
-        Multiplier::Data { .. } => {
-            Err(Box::new(builder.error("E019", "multipliers given by degree are not in this version here", wanted.at)))
         }
     }
 }
@@ -38,9 +37,12 @@ pub(super) fn unstable<const S: usize, const N: usize>(
     wanted: &Located<Multiplier>,
     pairing: Option<(usize, usize)>,
 ) -> Option<Diagnostic> {
+    let space = &*slave.trace().space;
+    // inf-sup constants of surfaces are not in this version
+    let shown = if S == 1 { "; `faying infsup` shows it" } else { "" };
     let text = match &wanted.value {
-        Multiplier::Named(word) if word.parse::<MultiplierKind>().is_ok_and(|k| k.is_unstable()) => {
-            format!("multiplier \"{word}\" of \"{name}\" is not stable; `faying infsup` shows it")
+        Multiplier::Named(word) if word.parse::<MultiplierKind>().is_ok_and(|k| k.is_unstable_on(space)) => {
+            format!("multiplier \"{word}\" of \"{name}\" is not stable{shown}")
         }
         value => {
             let (degree, lowered) = pairing?;
@@ -48,10 +50,17 @@ pub(super) fn unstable<const S: usize, const N: usize>(
                 Multiplier::Named(word) => format!("\"{word}\""),
                 _ => format!("of degree {}", degree - lowered),
             };
-            format!(
-                "multiplier {word} of \"{name}\" is p/p-{lowered} on this side of degree {degree}, which is not stable: its pressure \
-                 oscillates; `faying infsup` shows it"
-            )
+            if has_triangles(space) {
+                format!(
+                    "multiplier {word} of \"{name}\" jumps between triangles, which is not stable on a side of degree {degree}: its \
+                     pressure oscillates"
+                )
+            } else {
+                format!(
+                    "multiplier {word} of \"{name}\" is p/p-{lowered} on this side of degree {degree}, which is not stable: its pressure \
+                     oscillates{shown}"
+                )
+            }
         }
     };
     Some(builder.warning("E061", text, wanted.at).with_help(stable_help(slave)))
@@ -68,21 +77,22 @@ pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S,
     }
 }
 
-/// Whether p/p-2 exists on this side; p/p does on every side.
-pub(super) fn has_lowered<const S: usize, const N: usize>(slave: &SideView<S, N>) -> bool {
-    let space = &*slave.trace().space;
-    let least = (0..space.num_elements()).flat_map(|e| space.degree(e)).min();
-    least >= Some(2) && space.polynomials(Polynomials::Lowered(2)).is_some()
+/// The stable multiplier with positive functions that is `auto` on this side; its name is p/p where there is none of a lower degree.
+pub(super) fn stable<const S: usize, const N: usize>(slave: &SideView<S, N>) -> String {
+    MultiplierKind::Auto.resolved(&*slave.trace().space).to_string()
 }
 
 /// A multiplier with positive functions that exists on this side.
-pub(super) fn positive_help<const S: usize, const N: usize>(slave: &SideView<S, N>) -> &'static str {
-    if has_lowered(slave) { "write multiplier = \"p/p-2\"" } else { "write multiplier = \"p/p\"" }
+pub(super) fn positive_help<const S: usize, const N: usize>(slave: &SideView<S, N>) -> String {
+    format!("write multiplier = \"{}\"", stable(slave))
 }
 
 /// The stable multipliers of this side, in place of an unstable one.
-fn stable_help<const S: usize, const N: usize>(slave: &SideView<S, N>) -> &'static str {
-    if has_lowered(slave) { "use p/p or p/p-2" } else { "use p/p, or raise the degree of the slave" }
+fn stable_help<const S: usize, const N: usize>(slave: &SideView<S, N>) -> String {
+    match stable(slave) {
+        name if name == FULL => "use p/p, or raise the degree of the slave".to_owned(),
+        name => format!("use p/p or {name}"),
+    }
 }
 
 /// Advice to divide a side further: "give patch "a" more elements along `a.top`".
@@ -104,9 +114,16 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
         MultiplierError::NoDual { .. } => {
             builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label()), at).with_help(positive_help(slave))
         }
-        MultiplierError::NothingLeft { .. } => builder
-            .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at an end: {error}", slave.label()), at)
-            .with_help(more_elements(slave) + if has_lowered(slave) { ", or take p/p-2" } else { "" }),
+        MultiplierError::NothingLeft { .. } | MultiplierError::NothingLeftAtEdge { .. } | MultiplierError::NothingFree => {
+            let at_what = if S == 1 { "an end" } else { "an edge" };
+            let or = match stable(slave) {
+                name if name == FULL => String::new(),
+                name => format!(", or take {name}"),
+            };
+            builder
+                .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at {at_what}: {error}", slave.label()), at)
+                .with_help(more_elements(slave) + &or)
+        }
         MultiplierError::TooMany { component, multipliers, free } => {
             let direction = format!("component {}", component_name(*component, components));
             too_many(builder, name, slave, &direction, (*multipliers, *free), at)

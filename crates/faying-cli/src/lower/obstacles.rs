@@ -8,7 +8,7 @@ use crate::place::{Located, Place};
 use crate::registry::{AtRest, Fault};
 use crate::shapes::{is_closed, is_curve};
 use crate::words::short;
-use faying::contact::{HalfPlane, LevelSet, Sphere};
+use faying::contact::{Cylinder, HalfPlane, LevelSet, Sphere, Torus};
 use faying::linalg::Vector;
 use faying::problem::{Changing, InterfaceId, Opponent, Problem, SideView, TurnedAway};
 use std::sync::Arc;
@@ -49,6 +49,21 @@ fn at_rest<const S: usize, const N: usize>(
             let sphere = Sphere::<N> { center: vector(&center.value), radius: radius.value, inside: inside.value };
             Box::new(move |_| Box::new(sphere))
         }
+        ObstacleShape::Cylinder { center, axis, radius } => {
+            let made = Cylinder::<N>::try_new(vector(&center.value), vector(&axis.value), radius.value);
+            let Some(cylinder) = made else { return Err(no_axis(builder, "cylinder", axis.at)) };
+            Box::new(move |_| Box::new(cylinder))
+        }
+        ObstacleShape::Torus { center, axis, radius } => {
+            let [circle, tube] = radius.value;
+            if tube >= circle {
+                let fault = builder.error("E015", "the tube of the torus must be thinner than its circle", radius.at);
+                return Err(Box::new(fault.with_help("write radius = [2.0, 0.5]: the circle, then the tube")));
+            }
+            let made = Torus::<N>::try_new(vector(&center.value), vector(&axis.value), circle, tube);
+            let Some(torus) = made else { return Err(no_axis(builder, "torus", axis.at)) };
+            Box::new(move |_| Box::new(torus))
+        }
         ObstacleShape::LevelSet { f, along } => {
             let (f, along) = (f.value.clone(), along.as_ref().map(|a| vector::<N>(&a.value)));
             if along.is_some_and(|a| a.norm() == 0.0) {
@@ -68,7 +83,9 @@ fn at_rest<const S: usize, const N: usize>(
         }
         ObstacleShape::Geometry(geometry) => {
             let Some(make) = builder.names.shaped.0 else {
-                return Err(Box::new(builder.error("E019", "this kind of obstacle is not in this version", obstacle.shape.at)));
+                let text = format!("an obstacle of kind {} is not in this version in space", obstacle.shape.value.kind());
+                let help = "half-plane, sphere, cylinder, torus and level-set are there";
+                return Err(Box::new(builder.error("E019", text, obstacle.shape.at).with_help(help)));
             };
             let surface = make(geometry).map_err(|fault: Fault| {
                 Box::new(builder.error(fault.code, format!("the obstacle of contact \"{name}\": {}", fault.message), at))
@@ -81,11 +98,12 @@ fn at_rest<const S: usize, const N: usize>(
                 Box::new(builder.error(fault.code, format!("the obstacle of contact \"{name}\": {}", fault.message), obstacle.shape.at))
             })?
         }
-        other => {
-            let text = format!("an obstacle of kind {} is not in this version", other.kind());
-            return Err(Box::new(builder.error("E019", text, obstacle.shape.at)));
-        }
     })
+}
+
+/// The error of an obstacle with an axis of no length.
+fn no_axis<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, kind: &str, at: Place) -> Box<Diagnostic> {
+    Box::new(builder.error("E015", format!("the axis of the {kind} has length zero"), at))
 }
 
 /// The diagnostic of a slave side, with a number, that faces nothing of its obstacle: `plain` with the side that was probably meant, or the
@@ -144,6 +162,7 @@ fn way_round(shape: &ObstacleShape) -> &'static str {
         ObstacleShape::HalfPlane { .. } => "`normal` points out of the obstacle: change its sign",
         ObstacleShape::Sphere { .. } => "`inside = true` is for bodies inside of the circle, `inside = false` for those outside",
         ObstacleShape::LevelSet { .. } => "`f` is positive outside of the obstacle, and `along` points out of it: change the sign",
+        ObstacleShape::Cylinder { .. } | ObstacleShape::Torus { .. } => "the obstacle is the inside: bodies lie outside of it",
         ObstacleShape::Geometry(g) if is_curve(g) => {
             "the obstacle lies to the right of its curve: reverse the order of the points and weights, and mirror the knots"
         }

@@ -1,7 +1,7 @@
 //! Diagnostics of ties and contacts that cannot be built.
 
 use super::builder::Builder;
-use super::multipliers::{has_lowered, held_help, multiplier_fault, positive_help, too_many};
+use super::multipliers::{held_help, multiplier_fault, positive_help, stable, too_many};
 use super::obstacles::{turned_away, turned_round};
 use super::places::Places;
 use super::warned::meant;
@@ -12,7 +12,7 @@ use crate::place::Place;
 use crate::words::{component_name, labels, place, short, time_text};
 use faying::contact::{ContactError, MethodError};
 use faying::coupling::CouplingError;
-use faying::coupling::multiplier::MultiplierError;
+use faying::coupling::multiplier::{MultiplierError, has_triangles};
 use faying::problem::{InterfaceError, InterfaceId, Problem, SideView, Statement};
 use std::sync::Arc;
 
@@ -203,10 +203,14 @@ pub(super) fn contact_fault<const S: usize, const N: usize>(
     let text = format!("contact \"{}\": {error}", contact.name.value);
     match error {
         ContactError::Weight { .. } => builder.error("E064", text, contact.multiplier.at).with_help(positive_help(slave)),
-        ContactError::NoGreville => builder.error("E064", text, contact.cone.at).with_help(format!(
-            "write cone = \"weights\" or \"coefficients\", or take a multiplier such as {}",
-            if has_lowered(slave) { "p/p-2" } else { "p/p" }
-        )),
+        ContactError::NoGreville => {
+            // no multiplier of triangles has such points
+            let or = match has_triangles(&*slave.trace().space) {
+                true => String::new(),
+                false => format!(", or take a multiplier such as {}", stable(slave)),
+            };
+            builder.error("E064", text, contact.cone.at).with_help(format!("write cone = \"weights\" or \"coefficients\"{or}"))
+        }
         ContactError::ConeWeight { .. } => {
             builder.error("E064", text, contact.cone.at).with_help("take a multiplier of lower degree, or cone = \"coefficients\"")
         }

@@ -11,6 +11,7 @@ mod side;
 mod simplify;
 mod solids;
 mod study;
+mod surface;
 
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -20,6 +21,7 @@ pub use iteration::{IterationPlot, iteration};
 pub use side::{ExactCurve, SidePlot, side};
 pub use solids::solids;
 pub use study::{Axis, MOST_LINES, StudyGroup, StudyLine, StudyPanel, StudyPlot, study};
+pub use surface::surface;
 
 /// Error of drawing a picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -157,10 +157,11 @@ fn draw(plot: &SidePlot<'_>, length: f64, [s0, s1]: [f64; 2], curves: &[Runs], e
             root.draw(&DashedPathElement::new(pixels(exact), units(7.0), units(5.0), stroke(RED_LINE, 1.6)))?;
         }
         if plot.contact {
-            for row in plot.rows.iter().filter(|row| row.s >= s0 && row.s <= s1) {
-                root.draw(&mark((px(row.s), py(0.0)), row.active))?;
-                if !row.active {
-                    root.draw(&Circle::new((px(row.s), py(0.0)), units(3.2), stroke(GREY, 1.2)))?;
+            let within = |row: &InterfaceRow| row.s.filter(|&s| s >= s0 && s <= s1).map(|s| (s, row.active));
+            for (s, active) in plot.rows.iter().filter_map(within) {
+                root.draw(&mark((px(s), py(0.0)), active))?;
+                if !active {
+                    root.draw(&Circle::new((px(s), py(0.0)), units(3.2), stroke(GREY, 1.2)))?;
                 }
             }
         }

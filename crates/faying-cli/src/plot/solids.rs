@@ -32,30 +32,37 @@ const IN_FRONT: f64 = 2e-3;
 const FRAME: [f64; 2] = [720.0, 560.0];
 
 /// Screen axes and the direction to the viewer.
-struct Camera {
+pub(super) struct Camera {
     right: Vector<3>,
     up: Vector<3>,
     toward: Vector<3>,
 }
 
 impl Camera {
+    /// From in front, from the right and from above.
     fn new() -> Self {
-        let toward = Vector::<3>::from(VIEWER).normalize();
-        let right = Vector::<3>::new(0.0, 0.0, 1.0).cross(&toward).normalize();
+        Self::from(&Vector::from(VIEWER))
+    }
+
+    /// From a direction; z is up, or where that is the direction, y.
+    pub(super) fn from(toward: &Vector<3>) -> Self {
+        let toward = toward.normalize();
+        let level = Vector::<3>::new(0.0, 0.0, 1.0).cross(&toward);
+        let right = if level.norm() > 1e-3 { level.normalize() } else { Vector::<3>::new(0.0, 1.0, 0.0).cross(&toward).normalize() };
         Self { right, up: toward.cross(&right), toward }
     }
 
     /// Right, up, and how near.
-    fn see(&self, x: &Vector<3>) -> [f64; 3] {
+    pub(super) fn see(&self, x: &Vector<3>) -> [f64; 3] {
         [self.right.dot(x), self.up.dot(x), self.toward.dot(x)]
     }
 }
 
 /// A piece of a face: corners as the camera sees them, the value in its middle, and which of its sides are element edges.
-struct Piece {
-    corners: Vec<[f64; 3]>,
-    value: f64,
-    edges: Vec<bool>,
+pub(super) struct Piece {
+    pub corners: Vec<[f64; 3]>,
+    pub value: f64,
+    pub edges: Vec<bool>,
 }
 
 impl Piece {
@@ -119,22 +126,13 @@ fn outer_faces(space: &dyn Space<3, 3>) -> Vec<Face> {
     out
 }
 
-/// Pieces of a face that the camera sees from outside; `m` per direction.
-fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face, m: usize, camera: &Camera) -> Vec<Piece> {
-    let field = &part.fields[field];
-    let mut table = MapTable::new();
-    let simplex = face.corners.len() == 3;
-    // the face on the unit square or triangle
-    let place = |s: f64, t: f64| -> Vector<3> {
-        let c = &face.corners;
-        if simplex {
-            c[0] * (1.0 - s - t) + c[1] * s + c[2] * t
-        } else {
-            c[0] * (1.0 - s) * (1.0 - t) + c[1] * s * (1.0 - t) + c[2] * s * t + c[3] * (1.0 - s) * t
-        }
-    };
+/// A piece of the unit square or triangle: its corners in order, and which of its sides are sides of the whole.
+type Part2 = (Vec<[f64; 2]>, Vec<bool>);
+
+/// The unit square or triangle in `m` pieces per direction.
+pub(super) fn divided(simplex: bool, m: usize) -> Vec<Part2> {
     let h = 1.0 / m as f64;
-    let mut cells: Vec<(Vec<[f64; 2]>, Vec<bool>)> = Vec::new();
+    let mut cells = Vec::new();
     for j in 0..m {
         for i in 0..m {
             let at = |a: usize, b: usize| [(i + a) as f64 * h, (j + b) as f64 * h];
@@ -149,10 +147,30 @@ fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face
             }
         }
     }
-    let middles: Vec<Vector<3>> = cells
-        .iter()
-        .map(|(c, _)| place(c.iter().map(|p| p[0]).sum::<f64>() / c.len() as f64, c.iter().map(|p| p[1]).sum::<f64>() / c.len() as f64))
-        .collect();
+    cells
+}
+
+/// The mean of the corners of a piece.
+pub(super) fn middle(corners: &[[f64; 2]]) -> [f64; 2] {
+    [0, 1].map(|k| corners.iter().map(|p| p[k]).sum::<f64>() / corners.len() as f64)
+}
+
+/// Pieces of a face that the camera sees from outside; `m` per direction.
+fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face, m: usize, camera: &Camera) -> Vec<Piece> {
+    let field = &part.fields[field];
+    let mut table = MapTable::new();
+    let simplex = face.corners.len() == 3;
+    // the face on the unit square or triangle
+    let place = |s: f64, t: f64| -> Vector<3> {
+        let c = &face.corners;
+        if simplex {
+            c[0] * (1.0 - s - t) + c[1] * s + c[2] * t
+        } else {
+            c[0] * (1.0 - s) * (1.0 - t) + c[1] * s * (1.0 - t) + c[2] * s * t + c[3] * (1.0 - s) * t
+        }
+    };
+    let cells = divided(simplex, m);
+    let middles: Vec<Vector<3>> = cells.iter().map(|(c, _)| middle(c)).map(|[s, t]| place(s, t)).collect();
     let values = (field.sample)(face.element, &middles);
     part.space.map(face.element, &middles, Order::Gradients, &mut table);
     // outward: away from the cell's middle, turned into space by the inverse transpose of the Jacobian
@@ -206,12 +224,18 @@ pub fn solids(plot: &FieldPlot<'_>, parts: &[Part<'_, 3, 3>]) -> Result<String, 
         return Err(PlotError::Empty(plot.title.to_owned()));
     }
     let scale = Scale::of_values(all.iter().map(|p| p.value).chain(plot.range.into_iter().flatten()));
-    // nearest last; equal depths keep their order
-    all.sort_by(|a, b| a.depth().total_cmp(&b.depth()));
-    draw(plot, &all, &scale, &camera)
+    draw(plot, all, &scale, &camera)
 }
 
-fn draw(plot: &FieldPlot<'_>, all: &[Piece], scale: &Scale, camera: &Camera) -> Result<String, PlotError> {
+/// Pieces per direction of each of `faces` of which all are seen.
+pub(super) fn fineness(faces: usize) -> usize {
+    (PIECES as f64 / faces.max(1) as f64).sqrt().floor().clamp(1.0, FINEST as f64) as usize
+}
+
+/// Draws pieces in any order.
+pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<Piece>, scale: &Scale, camera: &Camera) -> Result<String, PlotError> {
+    // nearest last; equal depths keep their order
+    all.sort_by(|a, b| a.depth().total_cmp(&b.depth()));
     let corners = || all.iter().flat_map(|p| &p.corners);
     let range = |k: usize| corners().fold((f64::MAX, f64::MIN), |(a, b), c| (a.min(c[k]), b.max(c[k])));
     let ((x0, x1), (y0, y1), (z0, z1)) = (range(0), range(1), range(2));
@@ -229,7 +253,7 @@ fn draw(plot: &FieldPlot<'_>, all: &[Piece], scale: &Scale, camera: &Camera) -> 
         let polygon = |p: &Piece| p.corners.iter().map(pixel).map(|p| (units(p[0]), units(p[1]))).collect::<Vec<_>>();
         if all.len() <= 2 * PIECES {
             let mut strokes: Vec<(f64, Vec<(i32, i32)>)> = Vec::new();
-            for piece in all {
+            for piece in &all {
                 let points = polygon(piece);
                 for (k, _) in piece.edges.iter().enumerate().filter(|(_, e)| **e) {
                     let next = (k + 1) % points.len();
@@ -243,7 +267,7 @@ fn draw(plot: &FieldPlot<'_>, all: &[Piece], scale: &Scale, camera: &Camera) -> 
             strokes.sort_by(|a, b| a.0.total_cmp(&b.0));
             let line = stroke(INK.mix(0.55), 0.7);
             let mut next = strokes.into_iter().peekable();
-            for piece in all {
+            for piece in &all {
                 while let Some((_, points)) = next.next_if(|s| s.0 < piece.depth()) {
                     root.draw(&PathElement::new(points, line))?;
                 }
@@ -255,7 +279,7 @@ fn draw(plot: &FieldPlot<'_>, all: &[Piece], scale: &Scale, camera: &Camera) -> 
                 root.draw(&PathElement::new(points, line))?;
             }
         } else {
-            for ([i, j], value) in raster(all, &pixel) {
+            for ([i, j], value) in raster(&all, &pixel) {
                 let at = |k: i64| units(k as f64 * SQUARE);
                 root.draw(&Rectangle::new([(at(i), at(j)), (at(i + 1), at(j + 1))], scale.color(value).filled()))?;
             }

@@ -87,10 +87,10 @@ pub const QUANTITIES: &[QuantityRow] = &[
         "contact.pad.gap.min",
     ),
     row("contact.NAME.active", "number of closed rows", "", "contact.pad.active"),
-    row("contact.NAME.area", "measure of the zone, integrated on segments", "length", "contact.pad.area"),
+    row("contact.NAME.area", "measure of the zone, integrated on segments: a length, in space an area", "length", "contact.pad.area"),
     row(
         "contact.NAME.half_width",
-        "half the extent of the zone along the slave (all of it with symmetry = true); null with a reason where the pressure near its end does not allow it",
+        "half the extent of the zone along the slave, in the plane (all of it with symmetry = true); null with a reason where the pressure near its end does not allow it",
         "length",
         "contact.pad.half_width",
     ),

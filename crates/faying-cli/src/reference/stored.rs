@@ -116,7 +116,7 @@ fn stored_sides<const S: usize, const N: usize>(
     slave: &SideView<S, N>,
     fields: &[(&dyn Basis<S>, &[f64])],
 ) -> Vec<StoredSide> {
-    // curves only: there are no multipliers on surfaces yet
+    // of curves only: places on facets of surfaces are not stored
     if fields.is_empty() || S != 1 {
         return Vec::new();
     }

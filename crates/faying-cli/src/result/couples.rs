@@ -81,9 +81,10 @@ pub struct ContactReport {
     /// Pieces that face the master.
     pub segments: SegmentsReport,
     /// Half the extent of the zone along the slave, an arc length found to a fraction of an element; with `symmetry` all of it where the
-    /// zone ends at an end of the side \[length\]. In the plane alone. NaN, with a reason, where the pressure does not tell it. See
+    /// zone ends at an end of the side \[length\]. `None` in space; NaN, with a reason, where the pressure does not tell it. See
     /// [`faying::contact::half_width`].
-    pub half_width: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub half_width: Option<f64>,
     /// Reason for a missing half width.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,

@@ -3,7 +3,7 @@
 use super::Solved;
 use crate::case::Case;
 use crate::formula::Point;
-use crate::output::{ExactCurve, FieldRange, Output, Parts, Picture, RunOptions, SideOutput};
+use crate::output::{ExactCurve, FieldRange, Output, Parts, Picture, RunOptions, SideOutput, SidePart};
 use crate::table::InterfaceRow;
 use faying::linalg::Vector;
 use faying::physics::von_mises;
@@ -15,13 +15,29 @@ use std::sync::Arc;
 /// Collects the output of a plane case for its files.
 pub fn plane_output(case: &Case, solved: &Arc<Solved<1, 2>>, options: &RunOptions) -> Output {
     let contents = solved.solution.contents();
-    let sides = contents.interfaces().flat_map(|of| (0..of.sides().len()).filter_map(move |side| side_output(solved, &of, side, options)));
-    assembled(case, solved, Parts::Plane(bodies(solved, options)), sides.collect())
+    let side = |of: &InterfaceView<'_, 1, 2>, number: usize| {
+        let field = solved.solution.along(of.id(), number).ok().flatten()?;
+        let exact = (of.exact().len() == 1).then(|| of.exact()[0].clone()).map(|f| -> ExactCurve {
+            let t = solved.solution.t();
+            Box::new(move |x| f.value(&Point::new(x.as_slice()).at_time(t)))
+        });
+        let (name, contact, part, rows) = side_output(solved, of, number, field, options);
+        Some(SideOutput { name, contact, part: SidePart::Curve(part), rows, exact })
+    };
+    let sides = contents.interfaces().flat_map(|of| (0..of.sides().len()).filter_map(|k| side(&of, k)).collect::<Vec<_>>()).collect();
+    assembled(case, solved, Parts::Plane(bodies(solved, options)), sides)
 }
 
 /// Collects the output of a case in space for its files.
 pub fn volume_output(case: &Case, solved: &Arc<Solved<2, 3>>, options: &RunOptions) -> Output {
-    assembled(case, solved, Parts::Volume(bodies(solved, options)), Vec::new())
+    let contents = solved.solution.contents();
+    let side = |of: &InterfaceView<'_, 2, 3>, number: usize| {
+        let field = solved.solution.along(of.id(), number).ok().flatten()?;
+        let (name, contact, part, rows) = side_output(solved, of, number, field, options);
+        Some(SideOutput { name, contact, part: SidePart::Surface(part), rows, exact: None })
+    };
+    let sides = contents.interfaces().flat_map(|of| (0..of.sides().len()).filter_map(|k| side(&of, k)).collect::<Vec<_>>()).collect();
+    assembled(case, solved, Parts::Volume(bodies(solved, options)), sides)
 }
 
 fn assembled<const S: usize, const N: usize>(case: &Case, solved: &Arc<Solved<S, N>>, parts: Parts, sides: Vec<SideOutput>) -> Output {
@@ -80,14 +96,19 @@ fn side_cells(options: &RunOptions) -> CellStyle {
     if options.cells == Some(CellStyle::Linear) { CellStyle::Linear } else { CellStyle::Lagrange }
 }
 
-/// The output of a slave side: its fields, its table, and its exact lambda where that is one function.
-fn side_output(solved: &Arc<Solved<1, 2>>, of: &InterfaceView<'_, 1, 2>, number: usize, options: &RunOptions) -> Option<SideOutput> {
-    let (sides, contact) = (of.sides(), matches!(of.id(), InterfaceId::Contact(_)));
-    let field = Arc::new(solved.solution.along(of.id(), number).ok().flatten()?);
+/// The name of a slave side in files, whether it is one of a contact, its fields and its table.
+fn side_output<const S: usize, const N: usize>(
+    solved: &Arc<Solved<S, N>>,
+    of: &InterfaceView<'_, S, N>,
+    number: usize,
+    field: SideField<S, N>,
+    options: &RunOptions,
+) -> (String, bool, Part<'static, S, N>, Vec<InterfaceRow>) {
+    let (sides, contact, field) = (of.sides(), matches!(of.id(), InterfaceId::Contact(_)), Arc::new(field));
     let name = if sides.len() == 1 { of.name().to_owned() } else { format!("{}.{number}", of.name()) };
-    let show = |ask: fn(&SideField, usize, &[Vector<1>]) -> Vec<f64>| {
+    let show = |ask: fn(&SideField<S, N>, usize, &[Vector<S>]) -> Vec<f64>| {
         let field = Arc::clone(&field);
-        move |element: usize, xi: &[Vector<1>]| ask(&field, element, xi)
+        move |element: usize, xi: &[Vector<S>]| ask(&field, element, xi)
     };
     let components = solved.solution.contents().components();
     let mut part = Part::new(name.clone(), Arc::clone(&sides[number].side().trace().space), side_cells(options));
@@ -97,12 +118,9 @@ fn side_output(solved: &Arc<Solved<1, 2>>, of: &InterfaceView<'_, 1, 2>, number:
         .with("gap", 1, show(SideField::gap))
         .with("active", 1, show(SideField::active))
         .with("traction", components, show(SideField::traction))
-        .with("normal", 2, show(SideField::normal));
-    let exact = (of.exact().len() == 1).then(|| of.exact()[0].clone()).map(|f| -> ExactCurve {
-        let t = solved.solution.t();
-        Box::new(move |x| f.value(&Point::new(x.as_slice()).at_time(t)))
-    });
-    let row = |p: &SidePoint| InterfaceRow { s: p.s, x: [p.x[0], p.x[1], 0.0], lambda: p.lambda.clone(), gap: p.gap, active: p.active };
+        .with("normal", N, show(SideField::normal));
+    let place = |x: &Vector<N>| std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
+    let row = |p: &SidePoint<N>| InterfaceRow { s: p.s, x: place(&p.x), lambda: p.lambda.clone(), gap: p.gap, active: p.active };
     let rows = field.points().iter().map(row).collect();
-    Some(SideOutput { name, contact, part, rows, exact })
+    (name, contact, part, rows)
 }

@@ -25,6 +25,7 @@ use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
 use crate::reference::Reference;
 use faying::constraint::SolveError;
+use faying::coupling::multiplier::reproduction;
 use faying::problem::{self, InterfaceId, InterfaceSide, InterfaceView, Solution, StepError, System, Unsolved, Warning};
 use faying::space::Trace;
 use std::ops::ControlFlow;
@@ -47,16 +48,17 @@ pub struct Solved<const S: usize, const N: usize> {
 struct Dimension<'a, const S: usize, const N: usize> {
     names: &'a Names<S, N>,
     net: MakeNet<N>,
-    multipliers: Option<multipliers::Describe<S, N>>,
+    reproduction: Option<multipliers::Reproduction<S, N>>,
     output: MakeOutput<S, N>,
 }
 
 fn plane(registry: &Registry) -> Dimension<'_, 1, 2> {
-    Dimension { names: &registry.plane, net: plane_net, multipliers: Some(multipliers::on_curves), output: fields::plane_output }
+    let held: multipliers::Reproduction<1, 2> = |curve, multiplier| reproduction(curve, multiplier);
+    Dimension { names: &registry.plane, net: plane_net, reproduction: Some(held), output: fields::plane_output }
 }
 
 fn volume(registry: &Registry) -> Dimension<'_, 2, 3> {
-    Dimension { names: &registry.volume, net: solid_net, multipliers: None, output: fields::volume_output }
+    Dimension { names: &registry.volume, net: solid_net, reproduction: None, output: fields::volume_output }
 }
 
 /// Whether a case is one of space; every other is one of the plane.
@@ -327,9 +329,7 @@ where
     let room = MemoryLimit::least(watch.max_memory);
     let mut model = built(case, registry, dimension, watch, room)?;
     let mut result = report::skeleton(command, case, &model);
-    if let Some(one) = dimension.multipliers {
-        multipliers::describe(case, &model.system.contents(), one, &mut result);
-    }
+    multipliers::describe(case, &model.system.contents(), dimension.reproduction, &mut result);
     let questions = Questions::of(case, &model, &result.numbers())?;
     fitting(case, &model, room)?;
     if let Some(stop) = watch.stop() {

@@ -3,15 +3,22 @@
 use crate::case::{self, Case};
 use crate::result::{MultiplierReport, RunResult};
 use faying::basis::Basis;
-use faying::coupling::multiplier::{MultiplierKind, reproduction};
+use faying::coupling::multiplier::MultiplierKind;
+use faying::geometry::Geometry;
 use faying::problem::{Contents, InterfaceView};
 use faying::space::Trace;
 
-/// Describes the multipliers of one slave side, one space per component, that the case calls by a name.
-pub type Describe<const S: usize, const N: usize> = fn(&Trace<S, N>, &case::Multiplier, &[&dyn Basis<S>]) -> MultiplierReport;
+/// The degree of the polynomials of a side that a multiplier holds; of surfaces it is not known.
+pub type Reproduction<const S: usize, const N: usize> = fn(&dyn Geometry<S, N>, &dyn Basis<S>) -> Option<usize>;
 
 /// Fills in the multipliers of every interface and contact that has some.
-pub fn describe<const S: usize, const N: usize>(case: &Case, contents: &Contents<'_, S, N>, one: Describe<S, N>, result: &mut RunResult) {
+pub fn describe<const S: usize, const N: usize>(
+    case: &Case,
+    contents: &Contents<'_, S, N>,
+    reproduction: Option<Reproduction<S, N>>,
+    result: &mut RunResult,
+) {
+    let one = |slave: &Trace<S, N>, words: &case::Multiplier, spaces: &[&dyn Basis<S>]| described(slave, words, spaces, reproduction);
     let of = |of: &InterfaceView<'_, S, N>, words: &case::Multiplier| {
         let sides = of.sides().into_iter().filter(|side| !side.multipliers().is_empty());
         together(sides.map(|side| one(side.side().trace(), words, &side.multipliers())))
@@ -40,18 +47,23 @@ fn together(parts: impl Iterator<Item = MultiplierReport>) -> Option<MultiplierR
     })
 }
 
-/// The description of multipliers on a curve.
-pub fn on_curves(slave: &Trace<1, 2>, words: &case::Multiplier, spaces: &[&dyn Basis<1>]) -> MultiplierReport {
+/// Describes the multipliers of one slave side, one space per component, that the case calls by a name.
+fn described<const S: usize, const N: usize>(
+    slave: &Trace<S, N>,
+    words: &case::Multiplier,
+    spaces: &[&dyn Basis<S>],
+    reproduction: Option<Reproduction<S, N>>,
+) -> MultiplierReport {
     let space = &*slave.space;
     let name = match words {
         case::Multiplier::Named(word) => match word.parse::<MultiplierKind>() {
-            Ok(kind @ MultiplierKind::Auto) => kind.resolved(space as &dyn Basis<1>).to_string(),
+            Ok(kind @ MultiplierKind::Auto) => kind.resolved(space as &dyn Basis<S>).to_string(),
             _ => word.clone(),
         },
         _ => "data".into(),
     };
-    let degrees = spaces.iter().flat_map(|psi| (0..psi.num_elements()).map(|e| psi.degree(e)[0]));
-    let held: Option<Vec<usize>> = spaces.iter().map(|psi| reproduction(space, *psi)).collect();
+    let degrees = spaces.iter().flat_map(|psi| (0..psi.num_elements()).flat_map(|e| psi.degree(e)));
+    let held: Option<Vec<usize>> = spaces.iter().map(|psi| reproduction?(space, *psi)).collect();
     MultiplierReport {
         name,
         degree: degrees.max().unwrap_or(0),

@@ -38,7 +38,8 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, buil
     };
     let contact = |c: InterfaceView<'_, S, N>| {
         let displacement = c.has_obstacle().then(|| vec![0.0; N]);
-        let report = ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), displacement, ..Default::default() };
+        let half_width = (S == 1).then_some(0.0);
+        let report = ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), displacement, half_width, ..Default::default() };
         (c.name().to_owned(), report)
     };
     result.contact = contents.contacts().map(contact).collect();
@@ -147,9 +148,9 @@ pub fn fill<const S: usize, const N: usize>(
 
 fn contact_report<const N: usize>(result: ContactResult<N>, iterations: usize) -> ContactReport {
     let (half_width, reason) = match result.half_width {
-        Some(Err(why)) => (f64::NAN, Some(format!("half_width: {why}"))),
-        Some(Ok(found)) => (found, None),
-        None => (0.0, None),
+        Some(Err(why)) => (Some(f64::NAN), Some(format!("half_width: {why}"))),
+        Some(Ok(found)) => (Some(found), None),
+        None => (None, None),
     };
     let Violation { lambda, gap, product } = result.violation;
     ContactReport {

@@ -542,7 +542,7 @@ fn e019_known_but_not_in_this_version() {
         .replace("[1, 1]", "[1, 1, 1]")
         .replace("[4, 2]", "[4, 4, 2]")
         .replace("[3, 2]", "[3, 3, 2]");
-    fails(&volume, "E019", "contact between surfaces is not in this version", "[[contact]]");
+    fails(&volume, "E019", "contact of two bodies in space is not in this version", "[[contact]]");
     let tied = volume.replace("[[contact]]", "[[interface]]");
     let tied = tied.split("[[probe]]").next().unwrap();
     for coupling in ["mortar", "nitsche", "penalty"] {

@@ -133,7 +133,7 @@ impl Frame {
             out.push((format!("{name}.pressure.min"), c.pressure.min / self.modulus, pressure));
             out.push((format!("{name}.area"), c.area / l, 1.0));
             // too coarse a zone has none in any frame
-            out.push((format!("{name}.half_width"), if c.half_width.is_nan() { -1.0 } else { c.half_width / l }, 1.0));
+            out.push((format!("{name}.half_width"), if c.half_width.unwrap().is_nan() { -1.0 } else { c.half_width.unwrap() / l }, 1.0));
             out.push((format!("{name}.segments"), c.segments.measure / l, 1.0));
             out.push((format!("{name}.active"), c.active as f64, 1.0));
             out.push((format!("{name}.iterations"), c.iterations as f64, 1.0));

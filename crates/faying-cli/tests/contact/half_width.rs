@@ -39,7 +39,7 @@ fn the_zone_of_hertz_ends_within_a_hundredth_of_its_half_width() {
             ];
             let sets: Vec<&str> = sets.iter().map(String::as_str).collect();
             let result = solve(HERTZ, &sets);
-            let error = contact(&result, "plane").half_width / a - 1.0;
+            let error = contact(&result, "plane").half_width.unwrap() / a - 1.0;
             println!("degree {degree} {multiplier} a/R {a}: {:.2} %", 100.0 * error);
             (error.abs(), format!("degree {degree} {multiplier} a/R {a}"))
         })
@@ -55,12 +55,12 @@ fn only_half_models_go_on_beyond_the_end_of_their_side() {
         let word = format!("contact.plane.symmetry={symmetry}");
         // the check asks for all of it
         let result = read(HERTZ, &[&[word.as_str()], coarse.as_slice()].concat()).run(&Registry::default()).unwrap();
-        contact(&result, "plane").half_width
+        contact(&result, "plane").half_width.unwrap()
     });
     assert_eq!(all, 2.0 * half);
     // a zone inside its side has half its extent either way
     for backend in ["iga", "fe"] {
-        let [one, other] = [true, false].map(|symmetry| contact(&ball(backend, 0.1, 1.0, symmetry), "c").half_width);
+        let [one, other] = [true, false].map(|symmetry| contact(&ball(backend, 0.1, 1.0, symmetry), "c").half_width.unwrap());
         assert_eq!(one, other, "{backend}");
     }
 }
@@ -92,11 +92,11 @@ fn ball(backend: &str, middle: f64, length: f64, symmetry: bool) -> RunResult {
 fn a_zone_moves_with_what_presses_it_and_scales_with_its_length() {
     // far from the ends of the side: where the zone lies between two elements does not count
     for backend in ["iga", "fe"] {
-        let widths: Vec<f64> = (0..6).map(|k| contact(&ball(backend, 0.01 * f64::from(k), 1.0, false), "c").half_width).collect();
+        let widths: Vec<f64> = (0..6).map(|k| contact(&ball(backend, 0.01 * f64::from(k), 1.0, false), "c").half_width.unwrap()).collect();
         let (least, most) = widths.iter().fold((f64::INFINITY, 0.0f64), |(l, m), w| (l.min(*w), m.max(*w)));
         println!("{backend}: {widths:?}");
         assert!(most / least < 1.02, "{backend}: {widths:?}");
-        let large = contact(&ball(backend, 0.02, 1e6, false), "c").half_width;
+        let large = contact(&ball(backend, 0.02, 1e6, false), "c").half_width.unwrap();
         close(large, 1e6 * widths[2], 1e-8, backend);
     }
 }
@@ -120,7 +120,7 @@ fn a_zone_ends_where_its_side_does_and_at_the_rim_of_what_it_faces() {
                          [[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"y\"]\n";
             for (text, wanted) in [(plane, 0.5), (case(below, "master = \"a.top\""), 0.315)] {
                 let result = solve(&text, &[]);
-                close(contact(&result, "c").half_width, wanted, 1e-12, &format!("{backend} {multiplier} {wanted}"));
+                close(contact(&result, "c").half_width.unwrap(), wanted, 1e-12, &format!("{backend} {multiplier} {wanted}"));
             }
         }
     }
@@ -222,7 +222,7 @@ fn within_a_hundredth(what: &str, cases: Vec<(String, f64)>, least: usize) {
         .map(|(text, wanted)| {
             let result = solve(text, &[]);
             let c = contact(&result, "c");
-            (c.half_width / wanted - 1.0, c.reason.clone())
+            (c.half_width.unwrap() / wanted - 1.0, c.reason.clone())
         })
         .collect();
     let shown: Vec<String> = found.iter().map(|(e, why)| why.clone().map_or(format!("{:.2} %", 100.0 * e), |_| "-".into())).collect();
@@ -247,7 +247,7 @@ fn zones_of_wedges_rounded_punches_and_receding_layers_end_within_a_hundredth() 
         let punches = [[80, 40], [120, 50], [140, 50], [180, 50], [220, 60]].into_iter().flat_map(|n| [20.0, 40.0, 80.0].map(|p| (p, n)));
         let punch = |(p, n): (f64, [usize; 2])| (pressed_half_plane("max(0, x - 1)^2/40", n, p) + more, rounded_punch(p, modulus));
         within_a_hundredth(&format!("punch {more}"), punches.map(punch).collect(), 7);
-        let fine = contact(&solve(&(receding_layer([600, 30]) + more), &[]), "c").half_width;
+        let fine = contact(&solve(&(receding_layer([600, 30]) + more), &[]), "c").half_width.unwrap();
         let layers = [[50, 8], [60, 12], [70, 10], [80, 12], [100, 12], [120, 16], [160, 16], [200, 20]];
         within_a_hundredth(&format!("layer {more}"), layers.map(|n| (receding_layer(n) + more, fine)).to_vec(), 4);
     }

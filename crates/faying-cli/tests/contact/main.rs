@@ -15,6 +15,7 @@ mod few_systems;
 mod graded_contact;
 mod half_width;
 mod held_in_part;
+mod in_space;
 mod obstacles;
 mod one_factor;
 mod opposed;

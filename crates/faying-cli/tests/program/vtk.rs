@@ -465,8 +465,8 @@ fn pictures_are_svg_documents_of_fixed_bytes() {
     let side = Part::new("arc", trace.space.clone(), CellStyle::Lagrange)
         .with("lambda", 1, |_, xi: &[Vector<1>]| xi.iter().map(|x| -(1.0 - x[0]).sqrt()).collect());
     let rows = [
-        InterfaceRow { s: 0.2, lambda: vec![-1.0], active: true, ..InterfaceRow::default() },
-        InterfaceRow { s: 1.2, ..InterfaceRow::default() },
+        InterfaceRow { s: Some(0.2), lambda: vec![-1.0], active: true, ..InterfaceRow::default() },
+        InterfaceRow { s: Some(1.2), ..InterfaceRow::default() },
     ];
     let exact = |x: &Vector<2>| -x[0];
     let svg = plot::side(&plot::SidePlot { title: "pad", contact: true, rows: &rows, exact: Some(&exact) }, &side).unwrap();
@@ -513,7 +513,7 @@ fn pictures_to_look_at_are_written_where_asked() {
     });
     let rows: Vec<_> = (0..24)
         .map(|i| InterfaceRow {
-            s: std::f64::consts::PI * (i as f64 + 0.5) / 24.0,
+            s: Some(std::f64::consts::PI * (i as f64 + 0.5) / 24.0),
             active: (10..14).contains(&i),
             lambda: vec![0.0],
             ..InterfaceRow::default()
