@@ -4,6 +4,7 @@ use super::builder::Problem;
 use super::changing::Changing;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
+use super::foundation::Foundation;
 use super::handles::{BodyId, Statement};
 use super::model::BodyModel;
 use super::physics::{Physics, PhysicsError};
@@ -149,6 +150,21 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         self.bodies[number].source.extend(force);
         let of = self.statement();
         self.volume_loads.push((of, number));
+        Ok(of)
+    }
+
+    /// Holds a body, everywhere in it, by springs [force/volume per length] along a component; several add up. In problems of one component
+    /// it is the term c u of -div(k grad u) + c u = f.
+    ///
+    /// The stiffness is not negative. Not beside an exact solution, whose source is that of a body without foundation.
+    ///
+    /// # Errors
+    /// [`ErrorKind::NoComponent`], [`ErrorKind::OtherProblem`].
+    #[doc(alias = "reaction")]
+    pub fn foundation(&mut self, body: BodyId, component: usize, stiffness: impl Into<Data>) -> Result<Statement, ProblemError> {
+        let (body, component) = (self.number(body)?, self.component(component)?);
+        let of = self.statement();
+        self.said.foundations.push(Foundation { of, body, component, stiffness: stiffness.into() });
         Ok(of)
     }
 

@@ -193,10 +193,10 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         model.unknowns += pressed;
         model.exact.clone_from(&self.exact);
         model.findings.clone_from(&self.findings);
-        let Said { conditions, pins, supports, equations, held, rigid_sides, loads, springs } = self.said.clone();
+        let Said { conditions, pins, supports, equations, held, rigid_sides, loads, springs, foundations } = self.said.clone();
         (model.conditions, model.pins, model.supports) = (conditions, pins, supports);
         (model.equations, model.held, model.rigid_sides) = (equations, held, rigid_sides);
-        (model.loads, model.springs) = (loads, springs);
+        (model.loads, model.springs, model.foundations) = (loads, springs, foundations);
         (model.c, model.max_iterations) = self.active_set;
         model.find_corners();
         Ok(model)

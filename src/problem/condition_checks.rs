@@ -28,8 +28,8 @@ fn facets<const S: usize, const N: usize>(side: &BodySide<S, N>) -> impl Iterato
 }
 
 impl<const S: usize, const N: usize> Problem<S, N> {
-    /// Components that are prescribed twice, loads that act on what is held, values of an exact solution that is not there, and sources
-    /// beside one.
+    /// Components that are prescribed twice, loads that act on what is held, values of an exact solution that is not there, sources and
+    /// foundations beside one.
     pub(super) fn check_conditions(&self, errors: &mut Vec<ProblemError>) {
         let of_sides = self.said.conditions.iter().map(|c| (c.of, &c.side.label, &c.value));
         for (of, label, value) in of_sides.chain(self.said.pins.iter().map(|p| (p.of, &p.rim.label, &p.value))) {
@@ -41,6 +41,10 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         self.check_loads_on_supports(&prescribed, errors);
         for load in self.said.loads.iter().filter(|l| self.exact.is_none() && matches!(l.action, Action::Exact(_))) {
             errors.push(ProblemError::new(ErrorKind::NoExact, vec![load.of], vec![load.side.label.clone()]));
+        }
+        for foundation in self.said.foundations.iter().filter(|_| self.exact.is_some()) {
+            let name = self.bodies[foundation.body].name.clone();
+            errors.push(ProblemError::new(ErrorKind::FoundationBesideExact, vec![foundation.of], vec![name]));
         }
         for body in self.bodies.iter().filter(|b| self.exact.is_some() && !(b.source.is_empty() && b.weights.is_empty())) {
             errors.push(ProblemError::new(ErrorKind::SourceTwice, vec![body.id.into()], vec![body.name.clone()]));

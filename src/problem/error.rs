@@ -119,6 +119,8 @@ pub enum ErrorKind {
     NoExact,
     /// A source or a weight beside an exact solution, which has its own.
     SourceTwice,
+    /// A foundation beside an exact solution, whose source is that of a body without one.
+    FoundationBesideExact,
     /// Data that are not finite at a quadrature point.
     NotFinite {
         /// The point \[length\]; coordinates beyond the dimension are zero.
@@ -130,7 +132,7 @@ pub enum ErrorKind {
         /// Number of the function in the statement, from 0.
         component: usize,
     },
-    /// Data so large at a quadrature point that their squares overflow; of springs their product with a number of that size.
+    /// Data so large at a quadrature point that their squares overflow; of springs and foundations their product with a number of that size.
     TooLarge {
         /// The point \[length\]; coordinates beyond the dimension are zero.
         x: [f64; 3],
@@ -141,7 +143,7 @@ pub enum ErrorKind {
         /// Number of the function in the statement, from 0.
         component: usize,
     },
-    /// A stiffness of springs, or a density, that is negative at a quadrature point.
+    /// A stiffness of springs or of a foundation, or a density, that is negative at a quadrature point.
     Negative {
         /// The point \[length\]; coordinates beyond the dimension are zero.
         x: [f64; 3],
@@ -243,6 +245,9 @@ impl Display for ProblemError {
             ErrorKind::HeldAlong => write!(f, "the load on `{one}` acts along directions that are held wherever it acts"),
             ErrorKind::NoExact => write!(f, "\"{one}\" takes the values of an exact solution, and the problem has none"),
             ErrorKind::SourceTwice => write!(f, "body \"{one}\" has a source; the exact solution has its own"),
+            ErrorKind::FoundationBesideExact => {
+                write!(f, "body \"{one}\" has a foundation; the source of the exact solution is that of a body without one")
+            }
             ErrorKind::NotFinite { x, t, value, .. } => write!(f, "\"{one}\" on `{other}`: {value} at {x:?}, t = {t}"),
             ErrorKind::TooLarge { x, t, value, .. } => {
                 write!(f, "\"{one}\" on `{other}` is too large: {value:e} at {x:?}, t = {t}; its square overflows")

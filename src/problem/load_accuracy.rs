@@ -1,4 +1,4 @@
-//! Accuracy of integrals over given data: loads, springs, prescribed values and moduli that jump inside of elements or have no bound.
+//! Accuracy of integrals over given data: loads, springs, foundations, prescribed values and moduli that jump inside of elements or have no bound.
 //!
 //! With F, M the force and the moment by the rule of the problem, F*, M* those by elements that are halved ([`Halved`]), moments about the
 //! centre c = ∫ |f| x / ∫ |f| of the load, and L² = ∫ |f| |x - c|² / ∫ |f| its spread, the error of a load is
@@ -7,7 +7,7 @@
 //! e = max( |F - F*|, |M - M*| / L ) / ∫ |f|.
 //! ```
 //!
-//! Of springs it is |∫ k - ∫* k| / ∫ |k|, of a modulus E and of prescribed values, whose errors in different elements do not make up for each
+//! Of springs it is |∫ k - ∫* k| / ∫ |k|, of a modulus E, of foundations and of prescribed values, whose errors in different elements do not make up for each
 //! other, the sum of |∫ E - ∫* E| over the elements, over ∫ |E|. Loads and sources of an exact solution without pieces are smooth: they are left
 //! out, and so are prescribed values that are bounded: those of a coarse mesh converge with the solution.
 
@@ -66,6 +66,15 @@ pub enum Integral {
         of: Statement,
         /// Label of the side.
         side: String,
+        /// The component.
+        component: usize,
+    },
+    /// The stiffness of a foundation of a patch along a component.
+    Foundation {
+        /// The statement.
+        of: Statement,
+        /// Name of the patch.
+        name: String,
         /// The component.
         component: usize,
     },
@@ -191,7 +200,7 @@ fn looked_at(times: &[f64], changes: bool) -> impl Iterator<Item = f64> + '_ {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// The loads, springs, prescribed values and moduli whose integrals are inexact by more than 1e-3 at one of `times`, each at the worst of them.
+    /// The loads, springs, foundations, prescribed values and moduli whose integrals are inexact by more than 1e-3 at one of `times`, each at the worst of them.
     pub fn inexact_integrals(&self, times: &[f64]) -> Vec<Inexact> {
         let mut found: Vec<Inexact> = self.no_loads().iter().filter_map(|load| self.inexact_load(load, times)).collect();
         for spring in &self.springs {
@@ -201,6 +210,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 let at = |t: f64| self.side_sums(&spring.side, false, &|x, _, out| out[0] = k(x, t), 1);
                 found.extend(worst(looked_at(times, spring.stiffness.depends_on_time()), of, 1, at));
             }
+        }
+        for f in self.foundations.iter().filter(|f| f.stiffness.as_constant().is_none()) {
+            let patch = &self.patches[f.body];
+            let of = || Integral::Foundation { of: f.of, name: patch.name.clone(), component: f.component };
+            let at = |t: f64| by_elements(&**patch.body.space(), &patch.rules, &|x| f.at(x, t));
+            found.extend(worst_by_elements(looked_at(times, f.stiffness.depends_on_time()), of, at));
         }
         found.extend(self.conditions.iter().filter_map(|c| self.inexact_value(c, times)));
         found.extend((0..self.patches.len()).filter_map(|k| self.inexact_modulus(k, times)));

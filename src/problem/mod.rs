@@ -39,6 +39,7 @@ mod facets_apart;
 mod facing_obstacle;
 mod fixed;
 mod forecast;
+mod foundation;
 mod function_sums;
 mod functions_at;
 mod glued;

@@ -1,8 +1,9 @@
 //! Material of a patch, with one interface for scalar and vector unknowns.
 
 use super::data::{Exact, Point, continued_gradient, field_derivatives, field_slope};
+use super::foundation::StiffnessFn;
 use super::resultant::Resultant;
-use crate::assembly::{self, Errors, Form};
+use crate::assembly::{self, Errors, Form, LowerOrder};
 use crate::linalg::{Csr, Matrix, Vector};
 use crate::physics::{self, BodyFlux, Flux, Material, MaterialError, NotLinear};
 use crate::quadrature::Quadrature;
@@ -61,9 +62,14 @@ pub(super) type SideFn<'a, const N: usize> = dyn Fn(&Vector<N>, &Vector<N>, &mut
 /// Message of a law that is not linear.
 const LINEAR: &str = "Hooke's and Fourier's laws are linear";
 
-/// The form of a linear law.
-fn form<const C: usize, const N: usize>(material: &dyn Material<C, N>) -> Form<'_, C, N> {
-    physics::form(material).expect(LINEAR)
+/// The form of a linear law with a foundation.
+fn form<'a, const C: usize, const N: usize>(material: &'a dyn Material<C, N>, foundation: Option<&'a StiffnessFn<'a, N>>) -> Form<'a, C, N> {
+    let form = physics::form(material).expect(LINEAR);
+    let Some(foundation) = foundation else { return form };
+    form.with_lower_order(move |x| {
+        let stiffness = foundation(x);
+        LowerOrder::of_values(Matrix::from_fn(|c, e| if c == e { stiffness[c] } else { 0.0 }))
+    })
 }
 
 fn filled<const C: usize>(fill: impl FnOnce(&mut [f64])) -> Vector<C> {
@@ -144,11 +150,11 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// The stiffness of a body.
-    pub(super) fn stiffness(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>) -> Csr {
+    /// The stiffness of a body on a foundation, if it has one.
+    pub(super) fn stiffness(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, foundation: Option<&StiffnessFn<'_, N>>) -> Csr {
         match self {
-            Self::Scalar(m) => assembly::stiffness(space, rules, &form(&**m)),
-            Self::Vector(m) => assembly::stiffness(space, rules, &form(&**m)),
+            Self::Scalar(m) => assembly::stiffness(space, rules, &form(&**m, foundation)),
+            Self::Vector(m) => assembly::stiffness(space, rules, &form(&**m, foundation)),
         }
     }
 
@@ -253,26 +259,39 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// Norms of the error of `u` against the exact solution at time `t`.
-    pub fn errors(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, u: &[f64], exact: &dyn Exact, t: f64) -> Errors {
+    /// Norms of the error of `u` against the exact solution at time `t`; a foundation is part of the energy.
+    pub(super) fn errors(
+        &self,
+        space: &dyn Space<N, N>,
+        rules: &dyn Quadrature<N>,
+        foundation: Option<&StiffnessFn<'_, N>>,
+        (u, exact, t): (&[f64], &dyn Exact, f64),
+    ) -> Errors {
         match self {
-            Self::Scalar(m) => assembly::errors(space, rules, &form(&**m), u, &|x: &Vector<N>| {
+            Self::Scalar(m) => assembly::errors(space, rules, &form(&**m, foundation), u, &|x: &Vector<N>| {
                 field_slope::<1, N>(exact, &Point::new(x.as_slice()).at_time(t))
             }),
-            Self::Vector(m) => assembly::errors(space, rules, &form(&**m), u, &|x: &Vector<N>| {
+            Self::Vector(m) => assembly::errors(space, rules, &form(&**m, foundation), u, &|x: &Vector<N>| {
                 field_slope::<N, N>(exact, &Point::new(x.as_slice()).at_time(t))
             }),
         }
     }
 
-    /// Norms of the difference of `u` and another field, whose value and gradient are asked for at (element, local point, place).
-    pub fn difference(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, u: &[f64], other: &dyn OtherField<N>) -> Errors {
+    /// Norms of the difference of `u` and another field, whose value and gradient are asked for at (element, local point, place);
+    /// a foundation is part of the energy.
+    pub(super) fn difference(
+        &self,
+        space: &dyn Space<N, N>,
+        rules: &dyn Quadrature<N>,
+        foundation: Option<&StiffnessFn<'_, N>>,
+        (u, other): (&[f64], &dyn OtherField<N>),
+    ) -> Errors {
         match self {
-            Self::Scalar(m) => assembly::difference(space, rules, &form(&**m), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
+            Self::Scalar(m) => assembly::difference(space, rules, &form(&**m, foundation), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
                 let (value, gradient) = other.at(e, xi, x, 1);
                 (Vector::<1>::from_fn(|i, _| value[i]), Matrix::<1, N>::from_fn(|i, j| gradient[i][j]))
             }),
-            Self::Vector(m) => assembly::difference(space, rules, &form(&**m), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
+            Self::Vector(m) => assembly::difference(space, rules, &form(&**m, foundation), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
                 let (value, gradient) = other.at(e, xi, x, N);
                 (Vector::<N>::from_fn(|i, _| value[i]), Matrix::<N, N>::from_fn(|i, j| gradient[i][j]))
             }),

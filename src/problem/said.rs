@@ -1,5 +1,6 @@
 //! Supports, loads and joints of a problem as they were said.
 
+use super::foundation::Foundation;
 use super::handles::Statement;
 use super::model::{BodySide, Condition, HeldSide, PointCondition, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 use super::regions::Piece;
@@ -7,7 +8,7 @@ use crate::linalg::Vector;
 use crate::space::Near;
 use std::sync::Arc;
 
-/// Supports, loads and springs, in the order in which they were said.
+/// Supports, loads, springs and foundations, in the order in which they were said.
 #[derive(Clone, Debug)]
 pub(super) struct Said<const S: usize, const N: usize> {
     pub conditions: Vec<Condition<S, N>>,
@@ -19,6 +20,7 @@ pub(super) struct Said<const S: usize, const N: usize> {
     pub rigid_sides: Vec<RigidSides<S, N>>,
     pub loads: Vec<SideLoad<S, N>>,
     pub springs: Vec<SideSpring<S, N>>,
+    pub foundations: Vec<Foundation>,
 }
 
 impl<const S: usize, const N: usize> Default for Said<S, N> {
@@ -32,6 +34,7 @@ impl<const S: usize, const N: usize> Default for Said<S, N> {
             rigid_sides: Vec::new(),
             loads: Vec::new(),
             springs: Vec::new(),
+            foundations: Vec::new(),
         }
     }
 }

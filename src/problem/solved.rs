@@ -171,13 +171,18 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
 
     fn errors(&self, exact: &dyn Exact) -> Vec<Errors> {
         let t = self.state.t;
-        let patches = self.common.model.patches.iter();
-        patches.map(|p| p.physics_at(t).errors(&**p.body.space(), &p.rules, &self.state.u[p.range()], exact, t)).collect()
+        let of_patch = |(k, p): (usize, &BodyModel<S, N>)| {
+            let foundation = self.common.model.foundation(k, t);
+            p.physics_at(t).errors(&**p.body.space(), &p.rules, foundation.as_deref(), (&self.state.u[p.range()], exact, t))
+        };
+        self.common.model.patches.iter().enumerate().map(of_patch).collect()
     }
 
     fn difference(&self, body: BodyId, rules: &dyn Quadrature<N>, other: &dyn OtherField<N>) -> Result<Errors, ProblemError> {
         let patch = self.patch(body)?;
-        Ok(patch.physics_at(self.state.t).difference(&**patch.body.space(), rules, &self.state.u[patch.range()], other))
+        let foundation = self.common.model.foundation(body.number, self.state.t);
+        let (physics, own) = (patch.physics_at(self.state.t), &self.state.u[patch.range()]);
+        Ok(physics.difference(&**patch.body.space(), rules, foundation.as_deref(), (own, other)))
     }
 
     fn extremes(&self, body: BodyId, derived: Option<bool>, field: Scalar<'_, N>) -> Result<Option<[Extreme<N>; 2]>, ProblemError> {

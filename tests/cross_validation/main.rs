@@ -11,6 +11,7 @@ mod contact_twins;
 mod converged;
 mod document;
 mod exact;
+mod foundation;
 mod interface;
 mod mortar_rates;
 mod pressed;

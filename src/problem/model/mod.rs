@@ -13,6 +13,7 @@ pub use tie::{Pairing, TieModel, TiePart};
 use super::corners::SharedCorner;
 use super::data::Exact;
 use super::facets_apart::FacetsApart;
+use super::foundation::Foundation;
 use super::glued::{Glued, SharedPoint};
 use crate::assembly::Equation;
 use crate::linalg::Vector;
@@ -49,6 +50,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub loads: Vec<SideLoad<S, N>>,
     /// Springs on sides.
     pub springs: Vec<SideSpring<S, N>>,
+    /// Springs of the volume.
+    pub foundations: Vec<Foundation>,
     /// Warnings of the searches for touching sides from which the problem was made.
     pub findings: Vec<FacetsApart>,
     /// Manufactured solution.
@@ -89,6 +92,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             rigid_sides: Vec::new(),
             loads: Vec::new(),
             springs: Vec::new(),
+            foundations: Vec::new(),
             findings: Vec::new(),
             exact: None,
             ties: Vec::new(),

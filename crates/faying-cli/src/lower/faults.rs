@@ -68,7 +68,7 @@ fn data_fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, place
     if matches!(error.kind, ErrorKind::Negative { .. }) {
         let text = format!("{what} of `{}` must not be negative, found {value:?} at {x}", error.names()[1]);
         return builder.error(code, text, formula.at).with_help(
-            "a spring pulls back with the force stiffness times displacement, and weight is density times gravity: both are positive",
+            "a spring or a foundation pulls back with the force stiffness times displacement, and weight is density times gravity: they are positive",
         );
     }
     let of = match error.of.iter().find_map(|of| places.patch(*of)) {

@@ -1,6 +1,6 @@
 //! `[[patch]]`: geometry, elements, functions.
 
-use super::common::{later, other_backend, word};
+use super::common::{foundation, later, other_backend, reaction, word};
 use super::model::{BASIS, CELL, CONTINUITY, DEGREE, MAPPING, POINTS};
 use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Special};
 use crate::case::names::EntryFamily;
@@ -51,8 +51,8 @@ pub(in crate::case) const PATCH: &[Key] = &[
     Key::new("closed", KeyKind::Word(&["u", "v", "w"]), "direction that closes on itself: a ring").optional("\"u\""),
     Key::new("glue", KeyKind::Flag, "whether touching sides of a file's patches are glued; default true").optional("false").only(OF_FILES),
     later("exact", Plain::Never, "{}", "write exact in [model], for all patches; if(c, a, b) makes it piecewise"),
-    later("reaction", Plain::Zero, "0", "leave it out, or write 0"),
-    later("foundation", Plain::Zero, "0", "a `spring` of [[boundary]] acts on sides"),
+    reaction("c of -div(k grad u) + c u = f in this patch, beside that of the model").only(Only { instead: "use foundation", ..POISSON }),
+    foundation("springs of the volume of this patch, beside those of the model").only(Only { instead: "use reaction", ..ELASTIC }),
 ];
 
 const OVERRIDES: &str = "instead of that of [discretization]";

@@ -1,6 +1,6 @@
 //! `[model]`, `[discretization]`, `[[material]]`.
 
-use super::common::{later, word};
+use super::common::{foundation, later, reaction, word};
 use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Scene, Special};
 use crate::case::names::EntryFamily;
 use crate::case::tree::Table;
@@ -38,8 +38,8 @@ pub(in crate::case) const MODEL: &[Key] = &[
         .unit("length/time^2")
         .optional("[0, -9.81]")
         .only(ELASTIC),
-    later("reaction", Plain::Zero, "0", "leave it out, or write 0"),
-    later("foundation", Plain::Zero, "0", "a `spring` of [[boundary]] acts on sides"),
+    reaction("c of -div(k grad u) + c u = f; not beside exact").only(Only { instead: "use foundation", ..POISSON }),
+    foundation("springs of the volume: force per volume and length; not beside exact").only(Only { instead: "use reaction", ..ELASTIC }),
 ];
 
 pub(in crate::case) const EXACT: &[Key] =
