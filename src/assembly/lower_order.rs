@@ -4,7 +4,7 @@ use super::fields::field_at;
 use super::pattern::Pattern;
 use super::plain;
 use super::scratch::Scratch;
-use super::vectors;
+use super::{Form, vectors};
 use crate::linalg::{Csr, Matrix, Real, Vector};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -71,14 +71,28 @@ pub(super) fn add_matrix<const C: usize, const N: usize, T, S, Q>(
 {
     plain::add_elements(pattern, C, matrix, |scratch: &mut Scratch<N, N, T>, element, out| {
         scratch.gradients(space, element, quadrature.rule(element));
-        element_matrix(scratch, lower, symmetric, out);
+        element_terms(scratch, lower, symmetric, out);
     });
 }
 
-/// The matrix of one element, `out[((a * C + c) * n + b) * C + e]`.
+/// The matrix of a form on one element, `out[((a * C + c) * n + b) * C + e]`.
+pub(crate) fn element_matrix<const C: usize, const N: usize, T: Real>(
+    scratch: &mut Scratch<N, N, T>,
+    form: &Form<'_, C, N, T>,
+    out: &mut [T],
+) {
+    plain::element_stiffness(scratch, form, out);
+    if let Some(lower) = &form.lower {
+        let mut own = vec![T::zero(); out.len()];
+        element_terms(scratch, &**lower, form.symmetric, &mut own);
+        out.iter_mut().zip(own).for_each(|(sum, v)| *sum += v);
+    }
+}
+
+/// The matrix of the terms on one element, `out[((a * C + c) * n + b) * C + e]`.
 ///
 ///   sum_q dx ( N_a C_ce + B_e(c,l) d_l N_a ) N_b + dx N_a B_c(e,j) d_j N_b
-fn element_matrix<const C: usize, const N: usize, T: Real>(
+fn element_terms<const C: usize, const N: usize, T: Real>(
     scratch: &mut Scratch<N, N, T>,
     lower: &LowerFn<'_, C, N, T>,
     symmetric: bool,

@@ -36,16 +36,16 @@ pub use halved::{Halved, HalvedScratch};
 pub use internal_force::{Collapsed, internal_force};
 pub use load::{Moments, load, load_with_moments, measure, trace_load, trace_springs};
 pub use lower_order::LowerOrder;
+pub(crate) use lower_order::element_matrix;
 pub use matrix_free::MatrixFree;
 pub use norms::{Errors, Norms, difference, errors};
 pub use pattern::Pattern;
 pub use places::places;
-pub(crate) use plain::element_stiffness;
 pub(crate) use reduce::consistent;
 pub use reduce::{Equation, Reduced, ReductionError};
 pub use rim::{Pinned, Rim};
 pub use rules::element_rule;
-pub use rules::{gauss_rules, gauss_rules_along, points_of_curved_cells};
+pub use rules::{gauss_rules, gauss_rules_along, points_of_curved_cells, revolved};
 pub(crate) use scratch::{Scratch, inverse_or_nan};
 
 /// d stress / d grad_u: `tangent[i][j][(k, l)]` = d sigma_(k,l) / d (grad u)_(i,j), i, k components, j, l directions.

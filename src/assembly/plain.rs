@@ -50,7 +50,7 @@ where
 }
 
 /// The matrix of one element, `out[((a * C + c) * n + b) * C + e]`.
-pub(crate) fn element_stiffness<const C: usize, const N: usize, T: Real>(
+pub(super) fn element_stiffness<const C: usize, const N: usize, T: Real>(
     scratch: &mut Scratch<N, N, T>,
     form: &Form<'_, C, N, T>,
     out: &mut [T],

@@ -4,9 +4,8 @@ use super::builder::Problem;
 use super::changing::Changing;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
-use super::foundation::Foundation;
 use super::handles::{BodyId, Statement};
-use super::model::BodyModel;
+use super::model::{BodyModel, Foundation};
 use super::physics::{Physics, PhysicsError};
 use super::regions::SideNames;
 use crate::linalg::Vector;
@@ -26,7 +25,7 @@ pub struct BodySpec<const S: usize, const N: usize> {
     pub material: BodyMaterial<N>,
     /// Gauss points per direction beyond those that degree and curved cells need.
     pub extra_points: usize,
-    /// Rules of the integrals over the body; `None`: Gauss rules.
+    /// Rules of the integrals over the body, without the factor 2 pi r of bodies of revolution; `None`: Gauss rules.
     pub rules: Option<PerElement<N>>,
     /// The mesh before refinement, by whose facets the surface is known; `None`: the body itself.
     pub unrefined: Option<Arc<dyn Body<S, N>>>,
@@ -110,7 +109,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// Adds a body.
     ///
     /// # Errors
-    /// [`ErrorKind::NameTaken`], and [`ErrorKind::Mixed`] for a material with another number of components than those before it.
+    /// [`ErrorKind::NameTaken`], and [`ErrorKind::Mixed`] for a material with another number of components than those before it,
+    /// [`ErrorKind::Revolution`] for an elastic one that is not of the kind of the problem.
     pub fn add(&mut self, spec: BodySpec<S, N>) -> Result<BodyId, ProblemError> {
         let BodySpec { name, body, material, extra_points, rules, unrefined, is_shaped, side_names, backend } = spec;
         if self.bodies.iter().any(|b| b.name == name) {
@@ -121,6 +121,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         if found != expected {
             return Err(ProblemError::named(ErrorKind::Mixed { found, expected }, &[&name]));
         }
+        if physics.components() > 1 && physics.is_of_revolution() != self.is_revolved {
+            return Err(ProblemError::named(ErrorKind::Revolution { wanted: self.is_revolved }, &[&name]));
+        }
         let first = self.bodies.last().map_or(0, |b| b.range().end);
         let id = self.body_id(self.bodies.len());
         let mut model = BodyModel::new(id, name, body, physics, first, extra_points);
@@ -129,6 +132,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
         if let BodyMaterial::Changing(changing) = material {
             model.changing = Some(changing);
+        }
+        if self.is_revolved {
+            model = model.revolved();
         }
         (model.backend, model.unrefined) = (backend, unrefined);
         model.is_shaped = is_shaped && !model.exact_map;

@@ -1,8 +1,8 @@
 //! Springs of the volume: foundations of elastic bodies, and the term c u of -div(k grad u) + c u = f.
 
-use super::data::{Data, Point};
-use super::handles::Statement;
-use super::model::Model;
+use super::data::Point;
+use super::model::{Foundation, Model};
+use super::physics::StiffnessFn;
 use super::resultant::Resultant;
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::MapTable;
@@ -10,28 +10,12 @@ use crate::linalg::{Vector, measure};
 use crate::quadrature::Quadrature;
 use rayon::prelude::*;
 
-/// Springs between a body, everywhere in it, and the ground.
-#[derive(Clone, Debug)]
-pub struct Foundation {
-    /// The statement.
-    pub of: Statement,
-    /// The body.
-    pub body: usize,
-    /// The component.
-    pub component: usize,
-    /// Force/volume per length.
-    pub stiffness: Data,
-}
-
 impl Foundation {
     /// The stiffness at a place and a time.
     pub(super) fn at<const N: usize>(&self, x: &Vector<N>, t: f64) -> f64 {
         self.stiffness.value(&Point::new(x.as_slice()).at_time(t))
     }
 }
-
-/// Stiffness per volume of every component at a place.
-pub(super) type StiffnessFn<'a, const N: usize> = dyn Fn(&Vector<N>) -> [f64; 3] + Send + Sync + 'a;
 
 impl<const S: usize, const N: usize> Model<S, N> {
     /// The foundation of a patch at time `t`; `None` if it has none.
@@ -65,8 +49,10 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 }
                 own
             };
-            let parts: Vec<Resultant> =
-                (0..space.num_elements()).into_par_iter().map_init(|| (Vec::new(), ShapeTable::new(), MapTable::new()), of_element).collect();
+            let parts: Vec<Resultant> = (0..space.num_elements())
+                .into_par_iter()
+                .map_init(|| (Vec::new(), ShapeTable::new(), MapTable::new()), of_element)
+                .collect();
             parts.iter().for_each(|own| total.sum(own));
         }
         total

@@ -214,7 +214,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         for f in self.foundations.iter().filter(|f| f.stiffness.as_constant().is_none()) {
             let patch = &self.patches[f.body];
             let of = || Integral::Foundation { of: f.of, name: patch.name.clone(), component: f.component };
-            let at = |t: f64| by_elements(&**patch.body.space(), &patch.rules, &|x| f.at(x, t));
+            let at = |t: f64| by_elements(&**patch.body.space(), &patch.rules, &|x| self.around(x), &|x| f.at(x, t));
             found.extend(worst_by_elements(looked_at(times, f.stiffness.depends_on_time()), of, at));
         }
         found.extend(self.conditions.iter().filter_map(|c| self.inexact_value(c, times)));
@@ -253,10 +253,11 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 let physics = self.patches[load.side.patch].physics_at(t);
                 let is_constant = data(load).is_some_and(|f| f.as_constant().is_some());
                 let act = |x: &Vector<N>, n: &Vector<N>, out: &mut [f64]| self.side_force(load, &physics, t, x, n, out);
-                let (mut a, b) = sums_of_side(&load.side, &levers, is_constant, &act, c);
+                let around = |x: &Vector<N>| self.around(x);
+                let (mut a, b) = sums_of_side(&load.side, &levers, is_constant, &around, &act, c);
                 if let (Some(exact), Action::Exact(_)) = (&self.exact, &load.action) {
                     let terms = |x: &Vector<N>, _: &Vector<N>, out: &mut [f64]| out[0] = physics.modulus(x) * slope_size(&**exact, c, x, t);
-                    a[6] = a[6].max(CANCELLED * sums_of_side(&load.side, &levers, true, &terms, 1).0[6]);
+                    a[6] = a[6].max(CANCELLED * sums_of_side(&load.side, &levers, true, &around, &terms, 1).0[6]);
                 }
                 own.iter_mut().zip(a).for_each(|(s, v)| *s += v);
                 finer.iter_mut().zip(b).for_each(|(s, v)| *s += v);
@@ -268,7 +269,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// The sums over a side by its rule and by halves.
     fn side_sums(&self, side: &BodySide<S, N>, is_constant: bool, f: &SideDensity<'_, N>, components: usize) -> (Levers<N>, Sums, Sums) {
         let levers = Levers::of(side.trace.space.extent());
-        let (own, finer) = sums_of_side(side, &levers, is_constant, f, components);
+        let (own, finer) = sums_of_side(side, &levers, is_constant, &|x| self.around(x), f, components);
         (levers, own, finer)
     }
 
@@ -284,7 +285,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         };
         let halved = Halved::new(space, most_points(space), LEAST[N - 1]);
         let mut own = over_elements(space.num_elements(), |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &density));
-        let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<N, N>| halved.element(e, scratch, &density));
+        let around = |x: &Vector<N>, j: &Matrix<N, N>| density(x, j).map(|v| v * self.around(x));
+        let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<N, N>| halved.element(e, scratch, &around));
         if let Some(exact) = &self.exact {
             let physics = patch.physics_at(t);
             let terms = |x: &Vector<N>, _: &Matrix<N, N>| [physics.modulus(x) * bend_size(&**exact, self.components, x, t)];
@@ -303,7 +305,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let of = || Integral::Modulus { patch: number, name: patch.name.clone() };
         worst_by_elements(looked_at(times, patch.changing.is_some()), of, |t| {
             let physics = patch.physics_at(t);
-            by_elements(&**patch.body.space(), &patch.rules, &|x| physics.modulus(x))
+            by_elements(&**patch.body.space(), &patch.rules, &|x| self.around(x), &|x| physics.modulus(x))
         })
     }
 
@@ -322,22 +324,24 @@ impl<const S: usize, const N: usize> Model<S, N> {
             if is_bounded(&*side.trace.space, &side.rules, &value) {
                 return ([0.0; 2], 0.0);
             }
-            by_elements(&*side.trace.space, &side.rules, &value)
+            by_elements(&*side.trace.space, &side.rules, &|x| self.around(x), &value)
         })
     }
 }
 
-/// ∫ f by the rule of the problem and by halves, and the error that sums up those of the elements.
+/// ∫ f by the rule of the problem and by halves, whose points have the factor `around`, and the error that sums up those of the elements.
 fn by_elements<const D: usize, const N: usize>(
     space: &dyn Space<D, N>,
     rules: &dyn Quadrature<D>,
+    around: &(dyn Fn(&Vector<N>) -> f64 + Sync),
     f: &(dyn Fn(&Vector<N>) -> f64 + Sync),
 ) -> ([f64; 2], f64) {
     let halved = Halved::new(space, most_points(space), LEAST[D - 1]);
     let density = |x: &Vector<N>, _: &Matrix<N, D>| [f(x), f(x).abs()];
+    let finer_density = |x: &Vector<N>, j: &Matrix<N, D>| density(x, j).map(|v| v * around(x));
     let [own, finer, off, size] = over_elements(space.num_elements(), |e, both: &mut (MapTable<D, N>, HalvedScratch<D, N>)| {
         let [own, own_size] = by_rule(space, rules, e, &mut both.0, &density);
-        let [finer, size] = halved.element(e, &mut both.1, &density);
+        let [finer, size] = halved.element(e, &mut both.1, &finer_density);
         [own, finer, (own - finer).abs(), size.max(own_size)]
     });
     ([own, finer], if size > 0.0 { off / size } else { 0.0 })
@@ -399,6 +403,7 @@ fn sums_of_side<const S: usize, const N: usize>(
     side: &BodySide<S, N>,
     levers: &Levers<N>,
     is_constant: bool,
+    around: &(dyn Fn(&Vector<N>) -> f64 + Sync),
     f: &SideDensity<'_, N>,
     components: usize,
 ) -> (Sums, Sums) {
@@ -412,7 +417,10 @@ fn sums_of_side<const S: usize, const N: usize>(
         }
     };
     let own = over_elements(space.num_elements(), |e, table: &mut MapTable<S, N>| by_rule(&**space, &side.rules, e, table, &density(e)));
-    let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<S, N>| halved.element(e, scratch, &density(e)));
+    let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<S, N>| {
+        let density = density(e);
+        halved.element(e, scratch, &|x: &Vector<N>, j: &Matrix<N, S>| density(x, j).map(|v| v * around(x)))
+    });
     (own, finer)
 }
 

@@ -1,7 +1,6 @@
 //! Material of a patch, with one interface for scalar and vector unknowns.
 
-use super::data::{Exact, Point, continued_gradient, field_derivatives, field_slope};
-use super::foundation::StiffnessFn;
+use super::data::{Exact, Point, field_slope};
 use super::resultant::Resultant;
 use crate::assembly::{self, Errors, Form, LowerOrder};
 use crate::linalg::{Csr, Matrix, Vector};
@@ -59,17 +58,33 @@ pub(super) type PlaceFn<'a, const N: usize> = dyn Fn(&Vector<N>, &mut [f64]) + S
 /// Values written by a function of place and outward normal: one entry per component.
 pub(super) type SideFn<'a, const N: usize> = dyn Fn(&Vector<N>, &Vector<N>, &mut [f64]) + 'a;
 
+/// Stiffness per volume of every component at a place.
+pub(super) type StiffnessFn<'a, const N: usize> = dyn Fn(&Vector<N>) -> [f64; 3] + Send + Sync + 'a;
+
 /// Message of a law that is not linear.
 const LINEAR: &str = "Hooke's and Fourier's laws are linear";
 
 /// The form of a linear law with a foundation.
-fn form<'a, const C: usize, const N: usize>(material: &'a dyn Material<C, N>, foundation: Option<&'a StiffnessFn<'a, N>>) -> Form<'a, C, N> {
+fn form<'a, const C: usize, const N: usize>(
+    material: &'a dyn Material<C, N>,
+    foundation: Option<&'a StiffnessFn<'a, N>>,
+) -> Form<'a, C, N> {
     let form = physics::form(material).expect(LINEAR);
     let Some(foundation) = foundation else { return form };
     form.with_lower_order(move |x| {
         let stiffness = foundation(x);
         LowerOrder::of_values(Matrix::from_fn(|c, e| if c == e { stiffness[c] } else { 0.0 }))
     })
+}
+
+/// sigma n of the field numbered by `field` through a side of the body.
+fn flux<const C: usize, const S: usize, const N: usize>(
+    material: &Arc<dyn Material<C, N>>,
+    space: &Arc<dyn Space<N, N>>,
+    (trace, field, is_revolved): (&Trace<S, N>, Field, bool),
+) -> Box<dyn Flux<S, N>> {
+    let flux = BodyFlux::new(Arc::clone(space), trace.clone(), field, Arc::clone(material)).expect(LINEAR);
+    Box::new(if is_revolved { flux.revolved() } else { flux })
 }
 
 fn filled<const C: usize>(fill: impl FnOnce(&mut [f64])) -> Vector<C> {
@@ -100,6 +115,14 @@ impl<const N: usize> Physics<N> {
         match self {
             Self::Scalar(_) => 1,
             Self::Vector(_) => N,
+        }
+    }
+
+    /// Whether the material has a strain around the axis of bodies of revolution.
+    pub(super) fn is_of_revolution(&self) -> bool {
+        match self {
+            Self::Scalar(m) => physics::is_of_revolution(&**m),
+            Self::Vector(m) => physics::is_of_revolution(&**m),
         }
     }
 
@@ -142,11 +165,17 @@ impl<const N: usize> Physics<N> {
             }
     }
 
-    /// sigma n of the field numbered by `field` through a side of the body.
-    pub(super) fn flux<const S: usize>(&self, space: &Arc<dyn Space<N, N>>, trace: &Trace<S, N>, field: Field) -> Box<dyn Flux<S, N>> {
+    /// sigma n of the field numbered by `field` through a side of the body, of one of revolution if `is_revolved`.
+    pub(super) fn flux<const S: usize>(
+        &self,
+        space: &Arc<dyn Space<N, N>>,
+        trace: &Trace<S, N>,
+        field: Field,
+        is_revolved: bool,
+    ) -> Box<dyn Flux<S, N>> {
         match self {
-            Self::Scalar(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, m.clone()).expect(LINEAR)),
-            Self::Vector(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, m.clone()).expect(LINEAR)),
+            Self::Scalar(m) => flux(m, space, (trace, field, is_revolved)),
+            Self::Vector(m) => flux(m, space, (trace, field, is_revolved)),
         }
     }
 
@@ -214,48 +243,6 @@ impl<const N: usize> Physics<N> {
                 },
                 matrix,
             ),
-        }
-    }
-
-    /// -div sigma(exact): the source that makes it a solution.
-    pub(super) fn exact_source(&self, exact: &dyn Exact, at: &Point, x: &Vector<N>, out: &mut [f64]) {
-        match self {
-            Self::Scalar(m) => {
-                let (gradient, hessian) = field_derivatives::<1, N>(exact, at);
-                out.copy_from_slice((-m.divergence(x, &gradient, &hessian)).as_slice());
-            }
-            Self::Vector(m) => {
-                let (gradient, hessian) = field_derivatives::<N, N>(exact, at);
-                out.copy_from_slice((-m.divergence(x, &gradient, &hessian)).as_slice());
-            }
-        }
-    }
-
-    /// sigma n (k du/dn) of the exact solution.
-    pub fn exact_traction(&self, exact: &dyn Exact, at: &Point, x: &Vector<N>, normal: &Vector<N>, out: &mut [f64]) {
-        match self {
-            Self::Scalar(m) => out.copy_from_slice((m.respond(x, &field_slope::<1, N>(exact, at).1).stress * normal).as_slice()),
-            Self::Vector(m) => out.copy_from_slice((m.respond(x, &field_slope::<N, N>(exact, at).1).stress * normal).as_slice()),
-        }
-    }
-
-    /// sigma n (k du/dn) at the point `at` of the piece of the exact solution that holds at `inside`, with the moduli at `place`.
-    pub(super) fn piece_traction(
-        &self,
-        exact: &dyn Exact,
-        at: &Point,
-        [inside, place]: [&Vector<N>; 2],
-        normal: &Vector<N>,
-        out: &mut [f64],
-    ) {
-        let own = Point::new(inside.as_slice()).at_time(at.t);
-        match self {
-            Self::Scalar(m) => {
-                out.copy_from_slice((m.respond(place, &continued_gradient::<1, N>(exact, at, &own)).stress * normal).as_slice());
-            }
-            Self::Vector(m) => {
-                out.copy_from_slice((m.respond(place, &continued_gradient::<N, N>(exact, at, &own)).stress * normal).as_slice());
-            }
         }
     }
 

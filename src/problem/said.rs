@@ -1,8 +1,7 @@
 //! Supports, loads and joints of a problem as they were said.
 
-use super::foundation::Foundation;
 use super::handles::Statement;
-use super::model::{BodySide, Condition, HeldSide, PointCondition, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+use super::model::{BodySide, Condition, Foundation, HeldSide, PointCondition, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 use super::regions::Piece;
 use crate::linalg::Vector;
 use crate::space::Near;

@@ -20,7 +20,7 @@ use super::regions::Regions;
 use super::resultant::Resultant;
 use super::state::StepState;
 use super::warnings::Warning;
-use crate::assembly::Errors;
+use crate::assembly::{Errors, revolved};
 use crate::linalg::{Csr, Operator, Vector};
 use crate::quadrature::Quadrature;
 use rayon::prelude::*;
@@ -181,8 +181,10 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
     fn difference(&self, body: BodyId, rules: &dyn Quadrature<N>, other: &dyn OtherField<N>) -> Result<Errors, ProblemError> {
         let patch = self.patch(body)?;
         let foundation = self.common.model.foundation(body.number, self.state.t);
-        let (physics, own) = (patch.physics_at(self.state.t), &self.state.u[patch.range()]);
-        Ok(physics.difference(&**patch.body.space(), rules, foundation.as_deref(), (own, other)))
+        let (physics, own, space) = (patch.physics_at(self.state.t), &self.state.u[patch.range()], &**patch.body.space());
+        let around = patch.is_revolved().then(|| revolved(space, rules));
+        let rules = around.as_ref().map_or(rules, |rules| rules);
+        Ok(physics.difference(space, rules, foundation.as_deref(), (own, other)))
     }
 
     fn extremes(&self, body: BodyId, derived: Option<bool>, field: Scalar<'_, N>) -> Result<Option<[Extreme<N>; 2]>, ProblemError> {
@@ -238,7 +240,8 @@ impl<const S: usize, const N: usize> Solved<S, N> {
                     outside.sum(&Resultant { force, moment: sent.moment });
                 }
             }
-            (reactions(&self.common.model, &self.state, &mut outside), outside)
+            let reactions = reactions(&self.common.model, &self.state, &mut outside);
+            (reactions, self.common.model.balanced(outside))
         })
     }
 

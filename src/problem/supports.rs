@@ -1,8 +1,7 @@
 //! Rigid motions that are left when every contact is closed.
 
 use super::data::Point;
-use super::foundation::Foundation;
-use super::model::{BodySide, ContactPart, Model, SideSpring, TiePart};
+use super::model::{BodySide, ContactPart, Foundation, Model, SideSpring, TiePart};
 use super::rigid::{FreeBody, RigidForm, RigidModes, RigidRow, short};
 use super::rigid_bodies::{RigidBodies, contact_terms, unit};
 use super::rigid_rows::tie_forms;
@@ -73,7 +72,10 @@ fn pulled_inside<const S: usize, const N: usize>(
         all.extend(table.x.iter().filter(|x| foundation.at(x, t) != 0.0).map(|x| (body, *x)));
     }
     all.sort_by_key(|point| point.0);
-    all.chunk_by(|a, b| a.0 == b.0).flat_map(|own| own.iter().step_by(own.len().div_ceil(SAMPLES).max(1)).chain(own.last())).copied().collect()
+    all.chunk_by(|a, b| a.0 == b.0)
+        .flat_map(|own| own.iter().step_by(own.len().div_ceil(SAMPLES).max(1)).chain(own.last()))
+        .copied()
+        .collect()
 }
 
 /// The points of a contact for which `closed` holds, as rows along the normal.
@@ -250,6 +252,7 @@ pub fn held_by<const S: usize, const N: usize>(
         }
     }
     let mut forms: Vec<RigidForm> = rows.iter().map(|row| modes.form(row)).collect();
+    forms.extend(model.held_by_symmetry(modes.num_bodies()));
     for part in model.ties.iter().flat_map(|t| &t.parts) {
         forms.extend(match ties {
             // functions may reach over parts that share none

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod answers;
+mod axisymmetric;
 mod backends;
 mod cases;
 mod choices;

@@ -65,6 +65,9 @@ pub enum MultiplierError {
     /// Multipliers of the library on surfaces.
     #[error("multipliers on surfaces are not in this version")]
     Surfaces,
+    /// Dual multipliers on surfaces of revolution, whose weights 2 pi r are not those of the curve.
+    #[error("dual multipliers on surfaces of revolution are not in this version")]
+    Revolution,
     /// The degree cannot be lowered at an end.
     #[error(
         "the multiplier has degree {degree} on element {element} at the end of the side, too little to be lowered there; refine the side"

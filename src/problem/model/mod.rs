@@ -7,13 +7,12 @@ mod tie;
 
 pub use body::{BodyModel, BodyRim, BodySide};
 pub use contact::{ContactModel, ContactPart, Opposing};
-pub use imposed::{Action, Condition, HeldSide, PointCondition, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+pub use imposed::{Action, Condition, Foundation, HeldSide, PointCondition, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 pub use tie::{Pairing, TieModel, TiePart};
 
 use super::corners::SharedCorner;
 use super::data::Exact;
 use super::facets_apart::FacetsApart;
-use super::foundation::Foundation;
 use super::glued::{Glued, SharedPoint};
 use crate::assembly::Equation;
 use crate::linalg::Vector;

@@ -17,6 +17,7 @@ use crate::problem::rigid_bodies::{RigidBodies, unit};
 use crate::problem::rigid_rows::closed_forms;
 use crate::problem::supports::{Ties, held_by};
 use crate::quadrature::Quadrature;
+use crate::space;
 use nalgebra::{DMatrix, DVector};
 
 /// Springs and foundations with less than this fraction of the stiffness of the bodies they hold are soft.
@@ -99,15 +100,16 @@ fn warning<const S: usize, const N: usize>(
 fn body_stiffness<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies, count: usize) -> Vec<f64> {
     let mut sums = vec![0.0; count];
     for (k, patch) in model.patches.iter().enumerate() {
-        let space = &**patch.body.space();
-        let bounds = space.all_bounds().into_iter().reduce(|a, b| a.union(&b));
-        let (Some(bounds), true) = (bounds, space.num_elements() > 0) else { continue };
-        let center = cell::center::<N, f64>(space.cell(0));
+        let body = &**patch.body.space();
+        let bounds = body.all_bounds().into_iter().reduce(|a, b| a.union(&b));
+        let (Some(bounds), true) = (bounds, body.num_elements() > 0) else { continue };
+        let center = cell::center::<N, f64>(body.cell(0));
         let mut table = MapTable::new();
-        space.map(0, &[center], Order::Values, &mut table);
+        body.map(0, &[center], Order::Values, &mut table);
         let x: Vector<N> = table.x[0];
         let length = bounds.diagonal();
-        sums[bodies.of_patch(k)] += patch.physics.modulus(&x) * crate::space::measure::<N, N, f64, _>(space) / (length * length);
+        let volume = if patch.is_revolved() { space::revolved_measure(body) } else { space::measure(body) };
+        sums[bodies.of_patch(k)] += patch.physics.modulus(&x) * volume / (length * length);
     }
     // a force-driven obstacle has no stiffness of its own: it takes the least of the bodies
     let least = sums.iter().copied().filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);

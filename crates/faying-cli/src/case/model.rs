@@ -64,7 +64,7 @@ impl Reader {
         let assumption = if dimension.value == 3 {
             Located::new(Assumption::Solid, Place::NONE)
         } else {
-            self.word(b, "assumption", &[Assumption::PlaneStrain, Assumption::PlaneStress])
+            self.word(b, "assumption", &[Assumption::PlaneStrain, Assumption::PlaneStress, Assumption::Axisymmetric])
         };
         let exact = b.node("exact").cloned().and_then(|node| {
             let inner = self.block(&node, "`exact`", rows::EXACT)?;
@@ -287,7 +287,11 @@ impl Reader {
         }
         self.limit(&p, "young", "positive", |v| v > 0.0, "");
         let stress = model.assumption.value == Assumption::PlaneStress;
-        let what = if stress { "plane stress" } else { "plane strain" };
+        let what = match model.assumption.value {
+            Assumption::PlaneStress => "plane stress",
+            Assumption::Axisymmetric => "the stiffness of bodies of revolution",
+            _ => "plane strain",
+        };
         if stress {
             self.limit(&q, "poisson", "between -1 and 0.5", |v| v > -1.0 && v <= 0.5, "");
         } else if q.as_constant() == Some(0.5) {

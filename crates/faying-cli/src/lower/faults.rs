@@ -128,6 +128,25 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
                 format!("the condition on `{own}` contradicts {} where they meet, by {}{when}", others.join(" and "), short(*defect));
             builder.error("E052", text, at).with_help("make the values agree in common points, or drop one of the conditions")
         }
+        ErrorKind::BeyondAxis { x } => {
+            let Some(number) = patch() else { return builder.error("E041", error.to_string(), at) };
+            let text = format!("patch \"{}\" has points beyond the axis x = 0, such as {}", error.names()[0], place(&x[..N]));
+            builder
+                .error("E041", text, case.patches[number].geometry.at)
+                .with_help("x is the radius here: keep to x >= 0, half of the section is all of the body of revolution")
+        }
+        ErrorKind::OnAxis => {
+            let text = format!("`{}` lies on the axis x = 0, where u.x is zero and areas are", error.names()[0]);
+            builder
+                .error("E015", text, at)
+                .with_help("leave it out: u.x is held there without a word, and u.y is prescribed or free as elsewhere")
+        }
+        ErrorKind::Radial => {
+            let text = format!("a force presses the obstacle of contact \"{}\" along x, the radius", error.names()[0]);
+            builder
+                .error("E015", text, at)
+                .with_help("bodies of revolution move along y alone; `move` takes x, as for a mandrel that opens")
+        }
         ErrorKind::Glue(of_sides) => glue::fault(builder, at, error.names(), of_sides),
         ErrorKind::NoExact => {
             builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")

@@ -28,7 +28,7 @@ pub struct Model {
     pub physics: Located<Physics>,
     /// 2 or 3.
     pub dimension: Located<usize>,
-    /// Plane strain or plane stress; none in space.
+    /// Plane strain, plane stress or bodies of revolution; none in space.
     pub assumption: Located<Assumption>,
     /// Manufactured solution, one formula per component.
     pub exact: Option<Located<Vec<Located<Formula>>>>,
