@@ -3,7 +3,7 @@
 use super::cells::CellSpace;
 use super::pattern::Pattern;
 use super::sum_factorization::{Ask, Glue, Patches};
-use super::{Form, places, plain};
+use super::{Form, lower_order, places, plain};
 use crate::basis::Order;
 use crate::geometry::MapTable;
 use crate::linalg::{Csr, Real, Vector, lit, to_f64};
@@ -51,6 +51,7 @@ where
         let coarse = Patches::with_glue(space, &two, &|e| space.map_structure().map_block(e), &asks, patches.glue());
         let mut matrix = patches.csr(C).with_dof_coordinates(coarse.map(|p| p.mean_coordinates(C)).unwrap_or_default());
         patches.stiffness(form, false, &mut matrix);
+        add_lower(None, space, quadrature, form, &mut matrix);
         return matrix;
     }
     let mut pattern = Pattern::new(space);
@@ -62,6 +63,26 @@ where
     let add = cells.is_none();
     elements(cells, &pattern, space, quadrature, form, add, &mut matrix);
     matrix
+}
+
+/// Adds the terms of lower order of `form`; without a `pattern` the graph is built for them.
+fn add_lower<const C: usize, const N: usize, T, S, Q>(
+    pattern: Option<&Pattern>,
+    space: &S,
+    quadrature: &Q,
+    form: &Form<'_, C, N, T>,
+    matrix: &mut Csr<T>,
+) where
+    T: Real,
+    S: Space<N, N, T> + ?Sized,
+    Q: Quadrature<N, T> + ?Sized,
+{
+    let Some(lower) = &form.lower else { return };
+    let add = |pattern: &Pattern, matrix| lower_order::add_matrix(pattern, space, quadrature, &**lower, form.symmetric, matrix);
+    match pattern {
+        Some(pattern) => add(pattern, matrix),
+        None => add(&Pattern::new(space), matrix),
+    }
 }
 
 /// Assembles the matrix of `form` element by element, in SIMD lanes if there are `cells`; `add`: adds to the values of `matrix`.
@@ -87,6 +108,7 @@ fn elements<const C: usize, const N: usize, T, S, Q>(
             plain::add_stiffness(pattern, space, quadrature, form, matrix);
         }
     }
+    add_lower(Some(pattern), space, quadrature, form, matrix);
 }
 
 /// Adds the matrix of `form` to `matrix`, which has the pattern `pattern.csr(C)`.
@@ -107,7 +129,10 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
     form.check_state(space.num_functions());
     let asks = || ask::<N, N, T, S>(space);
     match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
-        Some(patches) => patches.stiffness(form, true, matrix),
+        Some(patches) => {
+            patches.stiffness(form, true, matrix);
+            add_lower(Some(pattern), space, quadrature, form, matrix);
+        }
         None => elements(CellSpace::new(pattern, space, quadrature), pattern, space, quadrature, form, true, matrix),
     }
 }
@@ -128,7 +153,10 @@ where
     form.check_state(space.num_functions());
     let asks = || ask::<N, N, T, S>(space);
     match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
-        Some(patches) => patches.stiffness(form, false, matrix),
+        Some(patches) => {
+            patches.stiffness(form, false, matrix);
+            add_lower(None, space, quadrature, form, matrix);
+        }
         None => {
             let pattern = Pattern::new(space);
             elements(CellSpace::new(&pattern, space, quadrature), &pattern, space, quadrature, form, false, matrix);
@@ -187,7 +215,10 @@ impl Assembler {
         }
         let asks = || ask::<N, N, T, S>(space);
         match Patches::with_glue(space, quadrature, &|e| space.map_structure().map_block(e), &asks, self.glue.as_ref()) {
-            Some(patches) => patches.stiffness(form, false, matrix),
+            Some(patches) => {
+                patches.stiffness(form, false, matrix);
+                add_lower(None, space, quadrature, form, matrix);
+            }
             // another rule than the one the graph was made for
             None => refill_stiffness(space, quadrature, form, matrix),
         }

@@ -5,7 +5,7 @@ use super::fields::tangent_at;
 use super::scratch::Scratch;
 use super::sum_factorization::{Free, Patches};
 use super::vectors::add_elements;
-use super::{Form, Pattern, contract, places};
+use super::{Form, Pattern, contract, lower_order, places};
 use crate::linalg::{Matrix, Operator, Real, Vector};
 use crate::quadrature::{Quadrature, TensorRule};
 use crate::space::Space;
@@ -25,6 +25,8 @@ use std::fmt::Debug;
 /// | any | several components, per point or per state | C N (C N + 1) / 2, or (C N)² |
 /// | product of directions | several components, constant | nothing |
 /// | any other | several components, constant | N² + N + 3 |
+///
+/// Terms of [lower order](super::LowerOrder) are added by a loop over elements that keeps nothing.
 ///
 /// [`lean`](Self::lean) keeps nothing and evaluates map, state and tangent at every product.
 pub struct MatrixFree<'a, const C: usize, const N: usize, T: Real, S: ?Sized, Q: ?Sized> {
@@ -78,6 +80,19 @@ where
         self.grid.is_some()
     }
 
+    /// Adds the products with the terms of lower order.
+    fn add_lower(&self, x: &[T], y: &mut [T]) {
+        if let Some(lower) = &self.form.lower {
+            lower_order::add_product(self.space, self.quadrature, &**lower, x, y);
+        }
+    }
+
+    fn add_lower_diagonal(&self, diagonal: &mut [T]) {
+        if let Some(lower) = &self.form.lower {
+            lower_order::add_diagonal(self.space, self.quadrature, &**lower, diagonal);
+        }
+    }
+
     /// Bytes kept between products, without univariate tables and coordinates of unknowns.
     pub fn bytes(&self) -> usize {
         self.grid.as_ref().map_or(0, Free::bytes)
@@ -97,6 +112,7 @@ where
     fn apply(&self, x: &[T], y: &mut [T]) {
         if let Some(grid) = &self.grid {
             grid.apply(self.form, &|| ask::<N, N, T, S>(self.space), x, y);
+            self.add_lower(x, y);
             return;
         }
         let kernel = |scratch: &mut Scratch<N, N, T>, out: &mut [Vector<C, T>]| {
@@ -113,12 +129,14 @@ where
         };
         y.fill(T::zero());
         add_elements(self.space, self.quadrature, kernel, y);
+        self.add_lower(x, y);
     }
 
     fn diagonal(&self) -> Vec<T> {
         let mut diagonal = vec![T::zero(); self.size()];
         if let Some(grid) = &self.grid {
             grid.diagonal(self.form, &|| ask::<N, N, T, S>(self.space), &mut diagonal);
+            self.add_lower_diagonal(&mut diagonal);
             return diagonal;
         }
         let kernel = |scratch: &mut Scratch<N, N, T>, out: &mut [Vector<C, T>]| {
@@ -139,6 +157,7 @@ where
             }
         };
         add_elements(self.space, self.quadrature, kernel, &mut diagonal);
+        self.add_lower_diagonal(&mut diagonal);
         diagonal
     }
 

@@ -9,6 +9,7 @@ mod graph;
 mod halved;
 mod internal_force;
 mod load;
+mod lower_order;
 mod matrix_free;
 pub mod norms;
 mod pattern;
@@ -34,16 +35,17 @@ pub(crate) use fields::fields_keeping;
 pub use halved::{Halved, HalvedScratch};
 pub use internal_force::{Collapsed, internal_force};
 pub use load::{Moments, load, load_with_moments, measure, trace_load, trace_springs};
+pub use lower_order::LowerOrder;
+pub(crate) use lower_order::element_matrix;
 pub use matrix_free::MatrixFree;
 pub use norms::{Errors, Norms, difference, errors};
 pub use pattern::Pattern;
 pub use places::places;
-pub(crate) use plain::element_stiffness;
 pub(crate) use reduce::consistent;
 pub use reduce::{Equation, Reduced, ReductionError};
 pub use rim::{Pinned, Rim};
 pub use rules::element_rule;
-pub use rules::{gauss_rules, gauss_rules_along, points_of_curved_cells};
+pub use rules::{gauss_rules, gauss_rules_along, points_of_curved_cells, revolved};
 pub(crate) use scratch::{Scratch, inverse_or_nan};
 
 /// d stress / d grad_u: `tangent[i][j][(k, l)]` = d sigma_(k,l) / d (grad u)_(i,j), i, k components, j, l directions.
@@ -83,13 +85,15 @@ impl<const C: usize, const N: usize, T: Real> Coefficient<'_, C, N, T> {
     }
 }
 
-/// The bilinear form a(u, v) = ∫ grad v : tangent : grad u dx.
+/// The bilinear form a(u, v) = ∫ grad v : tangent : grad u dx, with terms of [lower order](LowerOrder) if it has any.
+///
+/// Terms of lower order are added element by element to whatever way computes the others: matrices, products of [`MatrixFree`] and energy
+/// norms have them all.
 ///
 /// With [`Coefficient::PerState`] the tangent at a point depends on the gradient of a known field, the state. For the derivative
 /// of a stress with respect to grad u, the matrix of the form is the derivative of [`internal_force`] with respect to its
 /// unknowns, taken at the state. All ways to assemble a form, and [`MatrixFree`], evaluate the state along with the map;
 /// nothing is stored per point, except by [`MatrixFree::new`].
-#[derive(Debug)]
 pub struct Form<'a, const C: usize, const N: usize, T: Real = f64> {
     /// The tangent.
     pub coefficient: Coefficient<'a, C, N, T>,
@@ -98,18 +102,37 @@ pub struct Form<'a, const C: usize, const N: usize, T: Real = f64> {
     /// The unknowns of the state, unknown = C * function + component, of the space on which the form is assembled; empty: its
     /// gradient is zero. Only [`Coefficient::PerState`] depends on it.
     pub state: &'a [T],
+    lower: Option<Box<lower_order::LowerFn<'a, C, N, T>>>,
+}
+
+impl<const C: usize, const N: usize, T: Real> Debug for Form<'_, C, N, T> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let mut out = f.debug_struct("Form");
+        out.field("coefficient", &self.coefficient).field("symmetric", &self.symmetric).field("state", &self.state);
+        out.field("lower", &self.lower.as_ref().map(|_| "..")).finish()
+    }
 }
 
 impl<'a, const C: usize, const N: usize, T: Real> Form<'a, C, N, T> {
     /// Creates the form of `coefficient` at a state whose gradient is zero.
     pub fn new(coefficient: Coefficient<'a, C, N, T>, symmetric: bool) -> Self {
-        Self { coefficient, symmetric, state: &[] }
+        Self { coefficient, symmetric, state: &[], lower: None }
     }
 
     /// The form at the state of the unknowns `state`.
     #[must_use]
     pub fn with_state(self, state: &'a [T]) -> Self {
         Self { state, ..self }
+    }
+
+    /// The form with terms of lower order beside those that it has; `lower` returns them at a physical point. `symmetric` holds for them, too.
+    #[must_use]
+    pub fn with_lower_order(mut self, lower: impl Fn(&Vector<N, T>) -> LowerOrder<C, N, T> + Send + Sync + 'a) -> Self {
+        self.lower = Some(match self.lower.take() {
+            None => Box::new(lower),
+            Some(before) => Box::new(move |x| before(x).plus(lower(x))),
+        });
+        self
     }
 
     /// Panics unless the state is empty or has C unknowns for each of the `functions` of a space.

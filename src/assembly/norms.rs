@@ -4,7 +4,7 @@ use super::bulk::ask;
 use super::cells::Sums;
 use super::fields::{field_at, tangent_at};
 use super::sum_factorization::{Patches, QuadraturePoints};
-use super::{Form, contract, scratch::Scratch};
+use super::{Form, contract, lower_order, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -104,11 +104,19 @@ where
             }
         }
     };
+    let whole = |mut total: [T; 6]| {
+        if let Some(lower) = &form.lower {
+            let [error, exact] = lower_order::squares(space, quadrature, &**lower, u, &|e, xi, x| other(e, xi, x));
+            total[2] += error;
+            total[5] += exact;
+        }
+        roots(total)
+    };
     if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
-        return roots(patches.deviation(form, u, &answer).map(lit));
+        return whole(patches.deviation(form, u, &answer).map(lit));
     }
     if let Some(cells) = Sums::new(space, quadrature) {
-        return roots(cells.deviation(form, u, &answer).map(lit));
+        return whole(cells.deviation(form, u, &answer).map(lit));
     }
     let squares: Vec<[T; 6]> = (0..space.num_elements())
         .into_par_iter()
@@ -143,7 +151,7 @@ where
             *sum += term;
         }
     }
-    roots(total)
+    whole(total)
 }
 
 /// The norms of sums of squares.

@@ -50,7 +50,7 @@ where
 }
 
 /// The matrix of one element, `out[((a * C + c) * n + b) * C + e]`.
-pub(crate) fn element_stiffness<const C: usize, const N: usize, T: Real>(
+pub(super) fn element_stiffness<const C: usize, const N: usize, T: Real>(
     scratch: &mut Scratch<N, N, T>,
     form: &Form<'_, C, N, T>,
     out: &mut [T],
@@ -143,7 +143,7 @@ fn element_mass<const D: usize, const N: usize, T: Real>(scratch: &mut Scratch<D
 
 /// row[b] += sum_k factors[k] table[k][from + b], four terms at a time.
 #[inline]
-fn add_products<T: Real>(row: &mut [T], factors: &[T], table: &[T], n: usize, from: usize) {
+pub(super) fn add_products<T: Real>(row: &mut [T], factors: &[T], table: &[T], n: usize, from: usize) {
     let mut k = 0;
     while k + 4 <= factors.len() {
         let [w0, w1, w2, w3] = [factors[k], factors[k + 1], factors[k + 2], factors[k + 3]];
@@ -163,7 +163,7 @@ fn add_products<T: Real>(row: &mut [T], factors: &[T], table: &[T], n: usize, fr
 }
 
 /// Writes an element matrix from its entries, the lower half by mirroring where it is symmetric.
-fn fill<T: Real>(n: usize, components: usize, symmetric: bool, out: &mut [T], entry: impl Fn(usize, usize, usize, usize) -> T) {
+pub(super) fn fill<T: Real>(n: usize, components: usize, symmetric: bool, out: &mut [T], entry: impl Fn(usize, usize, usize, usize) -> T) {
     let size = n * components;
     for a in 0..n {
         for c in 0..components {
@@ -224,7 +224,7 @@ fn add_line<T: Real>(own: &mut [T], mark: &[u32], ids: &[u32], line: &[T], compo
 }
 
 /// Runs `kernel` on all elements and adds what it writes to `matrix`.
-fn add_elements<const D: usize, const N: usize, T: Real>(
+pub(super) fn add_elements<const D: usize, const N: usize, T: Real>(
     pattern: &Pattern,
     components: usize,
     matrix: &mut Csr<T>,

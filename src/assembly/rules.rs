@@ -1,9 +1,9 @@
 //! Gauss rules that fit a basis.
 
 use crate::basis::{Basis, Cell, Order};
-use crate::geometry::{Geometry, MapTable};
+use crate::geometry::{Geometry, MapTable, circumference};
 use crate::linalg::{Real, Vector, num, to_f64};
-use crate::quadrature::{PerElement, Quadrature, TensorRule, gauss_legendre, simplex_rule};
+use crate::quadrature::{PerElement, Quadrature, Rule, TensorRule, gauss_legendre, simplex_rule};
 use crate::space::Space;
 use std::sync::Arc;
 
@@ -42,6 +42,24 @@ pub fn element_rule<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(
     extra: usize,
 ) -> Arc<dyn Quadrature<D, T>> {
     rule(basis.cell(element), basis.degree(element), [extra; D])
+}
+
+/// Rules of integrals over bodies and surfaces of revolution: `rules` with weights times 2 pi r at their points, r the first coordinate.
+///
+/// Every element has a rule of its own, so that forms are assembled element by element.
+pub fn revolved<const D: usize, const N: usize, T: Real, G, Q>(geometry: &G, rules: &Q) -> PerElement<D, T>
+where
+    G: Geometry<D, N, T> + ?Sized,
+    Q: Quadrature<D, T> + ?Sized,
+{
+    let mut table = MapTable::new();
+    let of_element = |e: usize| -> Arc<dyn Quadrature<D, T>> {
+        let Rule { points, weights } = rules.rule(e);
+        geometry.map(e, points, Order::Values, &mut table);
+        let weights = weights.iter().zip(&table.x).map(|(&w, x)| w * circumference(x)).collect();
+        Arc::new(Rule { points: points.clone(), weights })
+    };
+    PerElement::new((0..geometry.num_elements()).map(of_element).collect(), (0..geometry.num_elements()).collect())
 }
 
 /// Gauss points per direction beyond degree + 1 that linear fields need on the curved tensor cells of `space`.

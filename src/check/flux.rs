@@ -4,7 +4,7 @@ use crate::assembly::{contract, gauss_rules};
 use crate::basis::Order;
 use crate::geometry::MapTable;
 use crate::linalg::{Real, Vector, lit, measure, num};
-use crate::physics::{Flux, FluxTable, Material};
+use crate::physics::{Flux, FluxTable, Material, hoop_strain, stress_of};
 use crate::quadrature::Quadrature;
 use crate::space::{Field, Space, Trace, field_at};
 
@@ -52,7 +52,7 @@ pub fn flux<const C: usize, const S: usize, const N: usize, T: Real>(
             let mut flux_square = T::zero();
             for (q, s) in samples.iter().enumerate() {
                 let normal = trace.normal(e, &map.jacobian[q]);
-                let expected = material.respond(&s.x, &s.gradient).stress * normal;
+                let expected = stress_of(material, &s.x, &s.value, &s.gradient) * normal;
                 for c in 0..C {
                     let row = &table.values[(q * C + c) * n..][..n];
                     let found = row.iter().zip(&table.dofs).fold(T::zero(), |sum, (&v, &d)| sum + v * u[d - field.first]);
@@ -73,7 +73,9 @@ pub fn flux<const C: usize, const S: usize, const N: usize, T: Real>(
                 T::zero(),
                 |sum, (q, s)| {
                     let tangent = material.respond(&s.x, &s.gradient).tangent;
-                    sum + own.weights[q] * measure(&body.jacobian[q]) * contract(&tangent, &s.gradient).dot(&s.gradient)
+                    let strain = hoop_strain(&s.x, &s.value, &s.gradient, T::zero());
+                    let around = material.hoop(&s.x).map_or(T::zero(), |hoop| hoop.energy(&s.gradient, strain));
+                    sum + own.weights[q] * measure(&body.jacobian[q]) * (contract(&tangent, &s.gradient).dot(&s.gradient) + around)
                 },
             );
             if flux_square > stabilisation * energy * lit(1.001) {

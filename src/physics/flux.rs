@@ -1,9 +1,9 @@
 //! The flux sigma n of a body on one of its sides, for Nitsche's method and for tractions.
 
 use super::{Flux, FluxTable, Material, NotLinear};
-use crate::assembly::{Scratch, element_rule, element_stiffness, inverse_or_nan};
+use crate::assembly::{Scratch, element_matrix, element_rule, inverse_or_nan};
 use crate::basis::{Order, ShapeTable};
-use crate::geometry::MapTable;
+use crate::geometry::{MapTable, circumference};
 use crate::linalg::{Matrix, Real, Vector, lit, measure, to_f64};
 use crate::space::{Field, Space, Trace};
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -16,6 +16,8 @@ pub struct BodyFlux<const C: usize, const S: usize, const N: usize, T: Real = f6
     trace: Trace<S, N, T>,
     field: Field,
     material: Arc<dyn Material<C, N, T>>,
+    /// Whether integrals are those over bodies of revolution.
+    is_revolved: bool,
 }
 
 impl<const C: usize, const S: usize, const N: usize, T: Real> BodyFlux<C, S, N, T> {
@@ -30,15 +32,26 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> BodyFlux<C, S, N, 
         material: Arc<dyn Material<C, N, T>>,
     ) -> Result<Self, NotLinear> {
         super::linear(&*material)?;
-        Ok(Self { space, trace, field, material })
+        Ok(Self { space, trace, field, material, is_revolved: false })
     }
 
-    /// Calls `visit(q, x, normal, measure, grads)` for every lifted point, `grads` those of the functions of the body's element.
+    /// The flux of a body of revolution, whose integrals have the factor 2 pi r.
+    #[must_use]
+    pub fn revolved(self) -> Self {
+        Self { is_revolved: true, ..self }
+    }
+
+    /// 2 pi r at a place of a body of revolution, 1 of any other.
+    fn around(&self, x: &Vector<N, T>) -> T {
+        if self.is_revolved { circumference(x) } else { T::one() }
+    }
+
+    /// Calls `visit(q, x, normal, measure, values, grads)` for every lifted point, with those of the functions of the body's element.
     fn each_point(
         &self,
         element: usize,
         xi: &[Vector<S, T>],
-        mut visit: impl FnMut(usize, &Vector<N, T>, &Vector<N, T>, T, &[Vector<N, T>]),
+        mut visit: impl FnMut(usize, &Vector<N, T>, &Vector<N, T>, T, &[T], &[Vector<N, T>]),
     ) {
         let facet = &self.trace.facets[element];
         let lifted: Vec<Vector<N, T>> = xi.iter().map(|xi| facet.lift(xi)).collect();
@@ -53,7 +66,8 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> BodyFlux<C, S, N, 
             // tangents of the side are those of the body along the facet
             let tangents = jacobian * facet.axes;
             let normal = self.trace.normal(element, &tangents);
-            visit(q, &map.x[q], &normal, measure(&tangents), &grads);
+            let stretch = measure(&tangents) * self.around(&map.x[q]);
+            visit(q, &map.x[q], &normal, stretch, shapes.values(q), &grads);
         }
     }
 }
@@ -71,13 +85,17 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for 
         table.dofs.extend(ids.iter().flat_map(|&i| (0..C).map(move |c| (i, c))).map(|(i, c)| self.field.unknown(i, c)));
         table.values.clear();
         table.values.resize(xi.len() * C * n, T::zero());
-        self.each_point(element, xi, |q, x, normal, _, grads| {
+        self.each_point(element, xi, |q, x, normal, _, values, grads| {
             let tangent = self.material.respond(x, &Matrix::zeros()).tangent;
+            let around = self.material.hoop(x).map(|hoop| hoop.coupling * normal / x[0]);
             for (a, grad) in grads.iter().enumerate() {
                 for e in 0..C {
                     let mut flux = Vector::<C, T>::zeros();
                     for j in 0..N {
                         flux += tangent[e][j] * normal * grad[j];
+                    }
+                    if let (0, Some(around)) = (e, &around) {
+                        flux += around * values[a];
                     }
                     for c in 0..C {
                         table.values[(q * C + c) * n + a * C + e] = flux[c];
@@ -92,7 +110,7 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for 
         let outside = element_rule(&*self.trace.space, element, 1);
         let rule = outside.rule(0);
         let mut ds = Vec::with_capacity(rule.points.len());
-        self.each_point(element, &rule.points, |q, _, _, stretch, _| ds.push(rule.weights[q] * stretch));
+        self.each_point(element, &rule.points, |q, _, _, stretch, _, _| ds.push(rule.weights[q] * stretch));
         self.stabilisation_of_sum(element, &rule.points, &ds)
     }
 
@@ -108,8 +126,11 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for 
         let Ok(form) = super::form(&*self.material) else { return none };
         let mut scratch = Scratch::default();
         scratch.gradients(&*self.space, parent, element_rule(&*self.space, parent, 0).rule(0));
+        for (dx, x) in scratch.dx.iter_mut().zip(&scratch.map.x) {
+            *dx *= self.around(x);
+        }
         let mut energy = vec![T::zero(); n * n];
-        element_stiffness(&mut scratch, &form, &mut energy);
+        element_matrix(&mut scratch, &form, &mut energy);
         let mut energy = DMatrix::from_row_slice(n, n, &energy);
         let shift = energy.trace() * T::default_epsilon().max(lit(RIGID_SHIFT));
         for a in 0..n {

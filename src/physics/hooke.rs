@@ -1,11 +1,11 @@
-//! Isotropic linear elasticity: plane strain, plane stress, three dimensions.
+//! Isotropic linear elasticity: plane strain, plane stress, bodies of revolution, three dimensions.
 //!
 //!   sigma = lambda tr(eps) I + 2 mu eps,   eps = (grad u + grad uᵀ) / 2
 //!
 //! Plane stress has lambda' = 2 lambda mu / (lambda + 2 mu) in the plane and sigma_zz = 0; plane strain has
-//! sigma_zz = lambda tr(eps).
+//! sigma_zz = lambda tr(eps). In bodies of revolution tr(eps) has the hoop strain u_r / r, too ([`Hoop`](super::Hoop)).
 
-use super::{Jet, Material, Response};
+use super::{Hoop, Jet, Material, Response};
 use crate::linalg::{Matrix, Real, Vector, lit, num, to_f64};
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -18,6 +18,8 @@ pub enum Assumption {
     PlaneStrain,
     /// No stress out of the plane.
     PlaneStress,
+    /// Bodies of revolution: x = r, y = z, nothing moves around the axis x = 0.
+    Axisymmetric,
     /// Three dimensions, no assumption.
     Solid,
 }
@@ -27,6 +29,7 @@ impl Assumption {
         match self {
             Self::PlaneStrain => "plane strain",
             Self::PlaneStress => "plane stress",
+            Self::Axisymmetric => "the stiffness of bodies of revolution",
             Self::Solid => "the stiffness in three dimensions",
         }
     }
@@ -188,6 +191,14 @@ impl<T: Real> Hooke<2, T> {
     pub fn plane_stress(young: T, poisson: T) -> Result<Self, MaterialError> {
         Self::try_new(Elastic::Young { young, poisson }, Assumption::PlaneStress)
     }
+
+    /// Bodies of revolution of `young` [force/area] and `poisson`.
+    ///
+    /// # Errors
+    /// [`MaterialError`] for constants that make no stable material.
+    pub fn axisymmetric(young: T, poisson: T) -> Result<Self, MaterialError> {
+        Self::try_new(Elastic::Young { young, poisson }, Assumption::Axisymmetric)
+    }
 }
 
 impl<T: Real> Hooke<3, T> {
@@ -256,6 +267,14 @@ impl<const N: usize, T: Real> Material<N, N, T> for Hooke<N, T> {
     fn modulus(&self, x: &Vector<N, T>) -> T {
         let (lambda, mu) = self.lame(x);
         lambda.value + num::<T>(2) * mu.value
+    }
+    fn hoop(&self, x: &Vector<N, T>) -> Option<Hoop<N, N, T>> {
+        if self.assumption != Assumption::Axisymmetric {
+            return None;
+        }
+        let (lambda, mu) = self.lame(x);
+        let modulus = lambda.value + num::<T>(2) * mu.value;
+        Some(Hoop { coupling: Matrix::identity() * lambda.value, divergence: lambda.gradient, modulus })
     }
     fn is_linear(&self) -> bool {
         true

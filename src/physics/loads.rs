@@ -20,7 +20,7 @@ pub fn neumann<const N: usize, T: Real>(g: impl Fn(&Vector<N, T>) -> T) -> impl 
     move |x, _| Vector::from_element(g(x))
 }
 
-/// sigma n (k du/dn) of a field with the gradient `grad_u`.
+/// sigma n (k du/dn) of a field with the gradient `grad_u`, without what a hoop strain adds ([`stress_of`](super::stress_of) has it).
 pub fn exact_traction<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Sized>(
     material: &M,
     grad_u: impl Fn(&Vector<N, T>) -> Matrix<C, N, T>,

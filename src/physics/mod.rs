@@ -2,6 +2,7 @@
 
 mod flux;
 mod hooke;
+mod hoop;
 mod jet;
 mod loads;
 mod poisson;
@@ -13,6 +14,7 @@ use std::fmt::Debug;
 
 pub use flux::BodyFlux;
 pub use hooke::{Assumption, Elastic, Hooke, MaterialError};
+pub use hoop::{Hoop, hoop_strain, revolved_source, stress_of};
 pub use jet::Jet;
 pub use loads::{exact_traction, neumann, pressure, traction};
 pub use poisson::Conductor;
@@ -29,10 +31,15 @@ pub struct Response<const C: usize, const N: usize, T: Real = f64> {
 
 /// Stress as a function of place and displacement gradient; the tangent is symmetric (there is an energy).
 pub trait Material<const C: usize, const N: usize, T: Real = f64>: Debug + Send + Sync {
-    /// Stress and tangent at `x` for the gradient `grad_u[(i, j)]` = du_i/dx_j.
+    /// Stress and tangent at `x`, without what a hoop strain adds, for the gradient `grad_u[(i, j)]` = du_i/dx_j.
     fn respond(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> Response<C, N, T>;
     /// A modulus [force/area] at `x` that scales penalty and Nitsche terms.
     fn modulus(&self, x: &Vector<N, T>) -> T;
+    /// What the strain around the axis adds in bodies of revolution; `None`: the material stands for no such bodies, or, with one component,
+    /// has no stress around the axis. The same kind of answer at all places with `x[0]` > 0.
+    fn hoop(&self, _x: &Vector<N, T>) -> Option<Hoop<C, N, T>> {
+        None
+    }
     /// Whether the tangent does not depend on `grad_u`, so that the stress is tangent : grad u; [`form`] requires it.
     fn is_linear(&self) -> bool {
         false
@@ -78,6 +85,7 @@ macro_rules! forward_material {
         impl<const C: usize, const N: usize, T: Real, X: Material<C, N, T> + ?Sized> Material<C, N, T> for $pointer {
             fn respond(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> Response<C, N, T> { (**self).respond(x, grad_u) }
             fn modulus(&self, x: &Vector<N, T>) -> T { (**self).modulus(x) }
+            fn hoop(&self, x: &Vector<N, T>) -> Option<Hoop<C, N, T>> { (**self).hoop(x) }
             fn is_linear(&self) -> bool { (**self).is_linear() }
             fn is_homogeneous(&self) -> bool { (**self).is_homogeneous() }
             fn check(&self, x: &Vector<N, T>) -> Result<(), MaterialError> { (**self).check(x) }
@@ -107,7 +115,8 @@ pub(crate) fn linear<const C: usize, const N: usize, T: Real, M: Material<C, N, 
     if material.is_linear() { Ok(material) } else { Err(NotLinear { material: format!("{material:?}").chars().take(80).collect() }) }
 }
 
-/// The form ∫ sigma(grad u) : grad v of a linear `material`.
+/// The form ∫ sigma(grad u) : grad v of a linear `material`, with the work of the hoop stress where it has one: rules of bodies of revolution
+/// carry 2 pi r in their weights ([`revolved`](crate::assembly::revolved)).
 ///
 /// # Errors
 /// [`NotLinear`] if [`Material::is_linear`] is false: the form would change with the state.
@@ -118,7 +127,16 @@ pub fn form<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Siz
     } else {
         Coefficient::PerPoint(Box::new(move |x: &Vector<N, T>| material.respond(x, &Matrix::zeros()).tangent))
     };
-    Ok(Form::new(coefficient, true))
+    let form = Form::new(coefficient, true);
+    if !is_of_revolution(material) {
+        return Ok(form);
+    }
+    Ok(form.with_lower_order(|x| material.hoop(x).expect("a material has a hoop strain everywhere or nowhere").terms(x[0])))
+}
+
+/// Whether a material has a strain around the axis of bodies of revolution.
+pub(crate) fn is_of_revolution<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Sized>(material: &M) -> bool {
+    material.hoop(&Vector::repeat(T::one())).is_some()
 }
 
 /// sigma n (k du/dn) at a batch of points as a linear map of unknowns.

@@ -1,6 +1,6 @@
 //! Stress and energy of discrete fields.
 
-use super::Material;
+use super::{Material, hoop_strain, is_of_revolution};
 use crate::assembly::fields_keeping;
 use crate::linalg::{Matrix, Operator, Real, Vector, lit, num};
 use crate::quadrature::Quadrature;
@@ -17,7 +17,7 @@ pub struct Stress<const C: usize, const N: usize, T: Real = f64> {
     pub gradient: Matrix<C, N, T>,
     /// sigma of the model; for Poisson the row k grad u.
     pub stress: Matrix<C, N, T>,
-    /// Components xx yy zz xy yz xz [force/area], including those out of the plane.
+    /// Components xx yy zz xy yz xz [force/area], including those out of the plane; of bodies of revolution rr, zz, the hoop stress, rz.
     pub spatial: [T; 6],
 }
 
@@ -38,7 +38,8 @@ where
     M: Material<C, N, T> + ?Sized,
 {
     let states = field_at::<C, N, T, S>(space, &Field { first: 0, components: C }, u, element, xi);
-    states.iter().map(|state| stressed(material, state)).collect()
+    let axis = if is_of_revolution(material) { space.bounds(element).diagonal() * lit(ON_AXIS) } else { T::zero() };
+    states.iter().map(|state| stressed(material, state, axis)).collect()
 }
 
 /// `visit(element, stresses)` of every element, ascending: the field `u` and its stress at the points of its rule.
@@ -63,19 +64,29 @@ where
 {
     fields_keeping(space, quadrature, u, &|stresses: &mut Vec<Stress<C, N, T>>, element, states: &[FieldAt<C, N, T>]| {
         stresses.clear();
-        stresses.extend(states.iter().map(|state| stressed(material, state)));
+        stresses.extend(states.iter().map(|state| stressed(material, state, T::zero())));
         visit(element, stresses)
     })
 }
 
-/// Stress of `material` for the field and gradient `state` at a point.
-fn stressed<const C: usize, const N: usize, T, M>(material: &M, state: &FieldAt<C, N, T>) -> Stress<C, N, T>
+/// Points that are closer to the axis of revolution than this share of their element's size have the hoop strain of the axis.
+const ON_AXIS: f64 = 1e-9;
+
+/// Stress of `material` for the field and gradient `state` at a point; within `axis` of the axis of revolution it is that on the axis.
+fn stressed<const C: usize, const N: usize, T, M>(material: &M, state: &FieldAt<C, N, T>, axis: T) -> Stress<C, N, T>
 where
     T: Real,
     M: Material<C, N, T> + ?Sized,
 {
     let FieldAt { x, value, gradient } = *state;
-    let (stress, spatial) = (material.respond(&x, &gradient).stress, material.spatial_stress(&x, &gradient));
+    let (mut stress, mut spatial) = (material.respond(&x, &gradient).stress, material.spatial_stress(&x, &gradient));
+    if let Some(hoop) = material.hoop(&x) {
+        let strain = hoop_strain(&x, &value, &gradient, axis);
+        stress += hoop.coupling * strain;
+        spatial[0] = stress[(0, 0)];
+        (spatial[1], spatial[3]) = (stress[(1, 1)], stress[(0, 1)]);
+        spatial[2] = hoop.stress(&gradient, strain);
+    }
     Stress { x, value, gradient, stress, spatial }
 }
 

@@ -5,7 +5,7 @@ use super::changing::Changing;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{BodyId, Statement};
-use super::model::BodyModel;
+use super::model::{BodyModel, Foundation};
 use super::physics::{Physics, PhysicsError};
 use super::regions::SideNames;
 use crate::linalg::Vector;
@@ -25,7 +25,7 @@ pub struct BodySpec<const S: usize, const N: usize> {
     pub material: BodyMaterial<N>,
     /// Gauss points per direction beyond those that degree and curved cells need.
     pub extra_points: usize,
-    /// Rules of the integrals over the body; `None`: Gauss rules.
+    /// Rules of the integrals over the body, without the factor 2 pi r of bodies of revolution; `None`: Gauss rules.
     pub rules: Option<PerElement<N>>,
     /// The mesh before refinement, by whose facets the surface is known; `None`: the body itself.
     pub unrefined: Option<Arc<dyn Body<S, N>>>,
@@ -109,7 +109,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// Adds a body.
     ///
     /// # Errors
-    /// [`ErrorKind::NameTaken`], and [`ErrorKind::Mixed`] for a material with another number of components than those before it.
+    /// [`ErrorKind::NameTaken`], and [`ErrorKind::Mixed`] for a material with another number of components than those before it,
+    /// [`ErrorKind::Revolution`] for an elastic one that is not of the kind of the problem.
     pub fn add(&mut self, spec: BodySpec<S, N>) -> Result<BodyId, ProblemError> {
         let BodySpec { name, body, material, extra_points, rules, unrefined, is_shaped, side_names, backend } = spec;
         if self.bodies.iter().any(|b| b.name == name) {
@@ -120,6 +121,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         if found != expected {
             return Err(ProblemError::named(ErrorKind::Mixed { found, expected }, &[&name]));
         }
+        if physics.components() > 1 && physics.is_of_revolution() != self.is_revolved {
+            return Err(ProblemError::named(ErrorKind::Revolution { wanted: self.is_revolved }, &[&name]));
+        }
         let first = self.bodies.last().map_or(0, |b| b.range().end);
         let id = self.body_id(self.bodies.len());
         let mut model = BodyModel::new(id, name, body, physics, first, extra_points);
@@ -128,6 +132,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
         if let BodyMaterial::Changing(changing) = material {
             model.changing = Some(changing);
+        }
+        if self.is_revolved {
+            model = model.revolved();
         }
         (model.backend, model.unrefined) = (backend, unrefined);
         model.is_shaped = is_shaped && !model.exact_map;
@@ -149,6 +156,21 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         self.bodies[number].source.extend(force);
         let of = self.statement();
         self.volume_loads.push((of, number));
+        Ok(of)
+    }
+
+    /// Holds a body, everywhere in it, by springs [force/volume per length] along a component; several add up. In problems of one component
+    /// it is the term c u of -div(k grad u) + c u = f.
+    ///
+    /// The stiffness is not negative. Not beside an exact solution, whose source is that of a body without foundation.
+    ///
+    /// # Errors
+    /// [`ErrorKind::NoComponent`], [`ErrorKind::OtherProblem`].
+    #[doc(alias = "reaction")]
+    pub fn foundation(&mut self, body: BodyId, component: usize, stiffness: impl Into<Data>) -> Result<Statement, ProblemError> {
+        let (body, component) = (self.number(body)?, self.component(component)?);
+        let of = self.statement();
+        self.said.foundations.push(Foundation { of, body, component, stiffness: stiffness.into() });
         Ok(of)
     }
 

@@ -44,6 +44,8 @@ pub struct Problem<const S: usize, const N: usize> {
     pub(super) ties: Vec<Tie<S, N>>,
     pub(super) contacts: Vec<Contact<S, N>>,
     pub(super) times: Vec<f64>,
+    /// Whether bodies are those of revolution.
+    pub(super) is_revolved: bool,
     active_set: (f64, usize),
 }
 
@@ -66,6 +68,7 @@ impl<const S: usize, const N: usize> Clone for Problem<S, N> {
             ties: self.ties.clone(),
             contacts: self.contacts.clone(),
             times: self.times.clone(),
+            is_revolved: self.is_revolved,
             active_set: self.active_set,
         }
     }
@@ -96,8 +99,27 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             ties: Vec::new(),
             contacts: Vec::new(),
             times: vec![1.0],
+            is_revolved: false,
             active_set: (1.0, 100),
         }
+    }
+
+    /// A problem of bodies of revolution without bodies: x = r >= 0, y = z, nothing moves around the axis x = 0.
+    ///
+    /// Forces, areas, volumes and energies are those of the full circle: all integrals have the factor 2 pi r, and a force is spread evenly
+    /// over the surface that its sides make on their way around. Tractions, pressures, stiffnesses and multipliers are per area or volume as
+    /// ever. Component x of a force is the integral of the radial one; it has no resultant in space, and no equation of balance: like the
+    /// moments, it is zero in [`Solution::balance`](super::Solution::balance). Sides on the axis hold u_r = 0 by themselves. The third normal
+    /// stress, zz in the plane, is the hoop stress.
+    ///
+    /// Elastic materials are those with a hoop strain, [`Hooke::axisymmetric`](crate::physics::Hooke::axisymmetric); conductors serve as
+    /// they are.
+    ///
+    /// # Panics
+    /// If N is not 2.
+    pub fn axisymmetric() -> Self {
+        assert_eq!(N, 2, "bodies of revolution are given by their half section in the plane");
+        Self { is_revolved: true, ..Self::new() }
     }
 
     /// Number of components of the unknown, 0 before the first body.
@@ -197,6 +219,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         self.check_conditions(&mut errors);
         self.check_values(&mut errors);
         self.check_obstacles(&mut errors);
+        self.check_axis(&mut errors);
         if !errors.is_empty() {
             return Err(ProblemErrors(errors));
         }
@@ -210,11 +233,12 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let mut model = Model::new(bodies, glued, hinges);
         model.unknowns += pressed;
         model.findings.clone_from(&self.findings);
-        let Said { conditions, pins, supports, equations, held, rigid_sides, loads, point_loads, springs } = self.said.clone();
+        let Said { conditions, pins, supports, equations, held, rigid_sides, loads, point_loads, springs, foundations } = self.said.clone();
         (model.conditions, model.pins, model.supports) = (conditions, pins, supports);
         (model.equations, model.held, model.rigid_sides) = (equations, held, rigid_sides);
-        (model.loads, model.point_loads, model.springs) = (loads, point_loads, springs);
+        (model.loads, model.point_loads, model.springs, model.foundations) = (loads, point_loads, springs, foundations);
         (model.c, model.max_iterations) = self.active_set;
+        model.hold_axis();
         model.find_corners();
         Ok(model)
     }

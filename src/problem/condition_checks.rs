@@ -28,8 +28,8 @@ fn facets<const S: usize, const N: usize>(side: &BodySide<S, N>) -> impl Iterato
 }
 
 impl<const S: usize, const N: usize> Problem<S, N> {
-    /// Components that are prescribed twice, loads that act on what is held, values of an exact solution that is not there, and sources
-    /// beside one.
+    /// Components that are prescribed twice, loads that act on what is held, values of an exact solution that is not there, sources and
+    /// foundations beside one.
     pub(super) fn check_conditions(&self, errors: &mut Vec<ProblemError>) {
         let exact = |patch: usize| self.exact_of(&self.bodies[patch]);
         let of_sides = self.said.conditions.iter().map(|c| (c.of, &c.side.label, &c.value, c.side.patch));
@@ -49,6 +49,10 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         if let (Some(known), Some(unknown)) = (known.first(), unknown.first()) {
             let names = vec![known.name.clone(), unknown.name.clone()];
             errors.push(ProblemError::new(ErrorKind::ExactInPart, vec![known.id.into(), unknown.id.into()], names));
+        }
+        for foundation in self.said.foundations.iter().filter(|f| exact(f.body).is_some()) {
+            let name = self.bodies[foundation.body].name.clone();
+            errors.push(ProblemError::new(ErrorKind::FoundationBesideExact, vec![foundation.of], vec![name]));
         }
         for body in self.bodies.iter().filter(|b| self.exact_of(b).is_some() && !(b.source.is_empty() && b.weights.is_empty())) {
             errors.push(ProblemError::new(ErrorKind::SourceTwice, vec![body.id.into()], vec![body.name.clone()]));

@@ -61,7 +61,7 @@ impl<const S: usize, const N: usize> ContactSides<'_, S, N> {
     pub(super) fn fluxes(&self, model: &Model<S, N>, t: f64) -> ContactFluxes<S, N> {
         let of = |side: &BodySide<S, N>| {
             let patch = &model.patches[side.patch];
-            patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field)
+            patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field, patch.is_revolved())
         };
         let mut next = 0;
         let runs = self.masters.iter().map(|m| {

@@ -16,6 +16,7 @@ use crate::basis::{Basis, Elements};
 use crate::contact::{Cone, ContactError, ContactKinematics, ContactRows};
 use crate::coupling::consistency::ConsistencyEstimate;
 use crate::coupling::interface::{InterfaceQuadrature, Partners, slave_segments};
+use crate::coupling::multiplier::MultiplierError;
 use crate::coupling::{Interface, Segments, Side};
 use crate::linalg::Vector;
 use crate::space::Trace;
@@ -134,7 +135,8 @@ where
         // an obstacle has no quadrature points of its own: mixed integration uses those of the slave
         if let Some(obstacle) = &contact.obstacle {
             let points = gauss_rules(&*slave.trace.space, extra_points);
-            return Ok((Opposing::Rigid(Arc::clone(obstacle), slave_segments(&*slave.trace.space, &points)), None, None));
+            let segments = self.revolved(slave_segments(&*slave.trace.space, &points), slave);
+            return Ok((Opposing::Rigid(Arc::clone(obstacle), segments), None, None));
         }
         let master = BodySide::joined(self, setup.masters).ok_or(InterfaceError::NoMaster)?;
         let partners = Partners::Facing { reach: contact.reach };
@@ -150,9 +152,10 @@ where
             segments.verified(own, other)
         };
         let segments = make(rule.first(points, partners)).and_then(verified).map_err(InterfaceError::Segments)?;
+        let segments = self.revolved(segments, slave);
         let sums = rule.is_mixed().then(|| Trace::<S, N>::master_sums(points, partners));
-        let second = sums.map(make).transpose().map_err(InterfaceError::Segments)?;
-        let finer = finer_segments(slave, &master, points, partners);
+        let second = sums.map(make).transpose().map_err(InterfaceError::Segments)?.map(|s| self.revolved(s, slave));
+        let finer = finer_segments(slave, &master, points, partners).map(|s| self.revolved(s, slave));
         Ok((Opposing::Side(master, segments), second, finer))
     }
 
@@ -195,6 +198,9 @@ where
         let nameless = setup.contact.multiplier.is_nameless();
         let unstable = if nameless { unstable_pairing(&*slave.trace.space, &*psi) } else { None };
         let is_dual = setup.contact.multiplier.is_dual();
+        if is_dual && self.is_revolved() {
+            return Err(refused(MultiplierError::Revolution));
+        }
         // what faces something at the first time at which anything does
         let faced = match against {
             Opposing::Side(_, segments) if !is_dual => Some(segments.clone()).filter(|s| !s.ds.is_empty()),
@@ -206,7 +212,7 @@ where
                 psi = wrapped(self, slave, &stuck, functions);
                 reading = Some(wrapped(self, slave, &stuck, read)).filter(|read| read.num_functions() == psi.num_functions());
             }
-            Some(segments) => psi = slave.trace.without_slivers(psi, segments),
+            Some(segments) => psi = slave.trace.without_slivers(psi, &self.along_curve(segments, slave)),
             None => {}
         }
         if psi.num_functions() > free {

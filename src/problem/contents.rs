@@ -4,7 +4,7 @@ use super::handles::BodyId;
 use super::interface_view::InterfaceView;
 use super::model::{BodyModel, Model};
 use crate::quadrature::PerElement;
-use crate::space::{Body, Space};
+use crate::space::{Body, Space, Trace, measure, revolved_measure};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -18,6 +18,11 @@ impl<'a, const S: usize, const N: usize> Contents<'a, S, N> {
     /// Components of the unknown: one in conduction, N in elasticity.
     pub fn components(&self) -> usize {
         self.model.components
+    }
+
+    /// Whether the bodies are those of revolution.
+    pub fn is_revolved(&self) -> bool {
+        self.model.is_revolved()
     }
 
     /// Numbers of unknowns and rows, and the size of all bodies together.
@@ -120,9 +125,23 @@ impl<'a, const S: usize, const N: usize> BodyView<'a, S, N> {
         self.patch.body.space()
     }
 
-    /// Rules of its integrals.
+    /// Rules of its integrals, without the factor 2 pi r of bodies of revolution.
     pub fn rules(&self) -> &'a PerElement<N> {
-        &self.patch.rules
+        self.patch.rules_of_map()
+    }
+
+    /// Its area or volume; the volume of the body of revolution that it stands for [length^N, or length^3].
+    pub fn measure(&self) -> f64 {
+        self.measure_of(&**self.space())
+    }
+
+    /// Length or area of one of its sides, the area of the surface of revolution that it stands for.
+    pub fn side_measure(&self, side: &Trace<S, N>) -> f64 {
+        self.measure_of(&*side.space)
+    }
+
+    fn measure_of<const D: usize>(&self, geometry: &dyn Space<D, N>) -> f64 {
+        if self.patch.is_revolved() { revolved_measure(geometry) } else { measure(geometry) }
     }
 
     /// Gauss points per direction of its sides beyond degree + 1.

@@ -3,7 +3,8 @@
 use super::model::Model;
 use crate::coupling::Rows;
 
-/// Sum of coupling forces on both bodies, which vanishes.
+/// Sum of coupling forces on both bodies, which vanishes. Of bodies of revolution it is that along the axis: a radial translation strains them,
+/// so that the fluxes in Nitsche's method do work on it.
 #[derive(Debug, Default)]
 pub(super) struct CouplingBalance {
     sum: [f64; 3],
@@ -14,7 +15,10 @@ impl CouplingBalance {
     /// Adds a force on an unknown of the model.
     pub fn push<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, unknown: usize, force: f64) {
         let of = model.patches.iter().find(|p| p.range().contains(&unknown));
-        self.sum[of.map_or(0, |p| (unknown - p.field.first) % p.field.components)] += force;
+        let component = of.map_or(0, |p| (unknown - p.field.first) % p.field.components);
+        if component > 0 || !model.is_revolved() || model.components == 1 {
+            self.sum[component] += force;
+        }
         self.size += force.abs();
     }
 

@@ -198,10 +198,10 @@ pub fn field_slope<const C: usize, const N: usize>(exact: &dyn Exact, at: &Point
     (Vector::from_fn(|i, _| all[i].value), Matrix::from_fn(|i, j| all[i].gradient[j]))
 }
 
-/// Gradients at `at` of all C components of an exact solution, of the piece that holds at `inside`: `(i, j)` = du_i/dx_j.
-pub(super) fn continued_gradient<const C: usize, const N: usize>(exact: &dyn Exact, at: &Point, inside: &Point) -> Matrix<C, N> {
+/// Values and gradients at `at` of all C components of an exact solution, of the piece that holds at `inside`.
+pub(super) fn continued_slope<const C: usize, const N: usize>(exact: &dyn Exact, at: &Point, inside: &Point) -> (Vector<C>, Matrix<C, N>) {
     let all: [Derivatives; C] = std::array::from_fn(|c| exact.continued(c, at, inside));
-    Matrix::from_fn(|i, j| all[i].gradient[j])
+    (Vector::from_fn(|i, _| all[i].value), Matrix::from_fn(|i, j| all[i].gradient[j]))
 }
 
 /// Gradients and Hessians of all C components of an exact solution: `gradient[(i, j)]` = du_i/dx_j, `hessian[i][(j, k)]` =

@@ -113,7 +113,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
     }
 
-    /// Prescribed values, loads, springs, sources and densities beyond their limits; each statement once.
+    /// Prescribed values, loads, springs, sources, densities and foundations beyond their limits; each statement once.
     pub(super) fn check_values(&self, errors: &mut Vec<ProblemError>) {
         let mut told: HashSet<Statement> = HashSet::new();
         let loads = self.said.loads.iter().filter_map(|l| match &l.action {
@@ -185,7 +185,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             number[body] += 1;
             (of, body, (&self.bodies[body].weights[number[body] - 1].0, 0, Limits::DENSITY))
         });
-        for (of, body, data) in sources.into_iter().chain(weights) {
+        let foundations = self.said.foundations.iter().map(|f| (f.of, f.body, (&f.stiffness, f.component, Limits::STIFFNESS)));
+        for (of, body, data) in sources.into_iter().chain(weights).chain(foundations) {
             let body = &self.bodies[body];
             if let Some(kind) = self.wrong_value(&**body.body.space(), &body.rules, data) {
                 errors.push(ProblemError::new(kind, vec![of, body.id.into()], vec![body.name.clone(), body.name.clone()]));

@@ -46,8 +46,9 @@ impl<const S: usize, const N: usize> BodyModel<S, N> {
                 for (q, w) in rule.weights.iter().enumerate() {
                     // no derivative in space where the map is degenerate
                     let Some(back) = inverse(&map.jacobian[q]) else { continue };
-                    let mut gradient = Matrix::<N, N>::zeros();
-                    for (&i, slope) in ids.iter().zip(shapes.grads(q)) {
+                    let (mut gradient, mut outward) = (Matrix::<N, N>::zeros(), 0.0);
+                    for ((&i, slope), value) in ids.iter().zip(shapes.grads(q)).zip(shapes.values(q)) {
+                        outward += value * u[self.field.unknown(i, 0)];
                         let slope = back.transpose() * slope;
                         for c in 0..N {
                             for k in 0..N {
@@ -56,7 +57,9 @@ impl<const S: usize, const N: usize> BodyModel<S, N> {
                         }
                     }
                     let volume = w * determinant(&map.jacobian[q]).abs();
-                    let sizes = [strain(&gradient, bound), rotation(&gradient)];
+                    // of bodies of revolution the strain around the axis is another principal one
+                    let around = if self.is_revolved() { (outward / map.x[q][0]).abs() } else { 0.0 };
+                    let sizes = [strain(&gradient, bound).max(around), rotation(&gradient)];
                     for (k, size) in sizes.into_iter().enumerate() {
                         sums[k] = f64::max(sums[k], size);
                         sums[2 + k] += if size > bound { volume } else { 0.0 };

@@ -128,6 +128,23 @@ pub enum ErrorKind {
     ExactInPart,
     /// A source or a weight beside an exact solution, which has its own.
     SourceTwice,
+    /// A foundation beside an exact solution, whose source is that of a body without one.
+    FoundationBesideExact,
+    /// An elastic material without a hoop strain in a problem of bodies of revolution, or one with it in any other.
+    Revolution {
+        /// Whether the problem is one of bodies of revolution.
+        wanted: bool,
+    },
+    /// A body of revolution with points of negative radius.
+    BeyondAxis {
+        /// The first such point.
+        x: [f64; 3],
+    },
+    /// A load, springs, a tie or a contact on a side that lies on the axis of bodies of revolution, which has no area, or a radial displacement
+    /// prescribed there.
+    OnAxis,
+    /// An obstacle that a force presses away from the axis of bodies of revolution.
+    Radial,
     /// Data that are not finite at a quadrature point.
     NotFinite {
         /// The point \[length\]; coordinates beyond the dimension are zero.
@@ -139,7 +156,7 @@ pub enum ErrorKind {
         /// Number of the function in the statement, from 0.
         component: usize,
     },
-    /// Data so large at a quadrature point that their squares overflow; of springs their product with a number of that size.
+    /// Data so large at a quadrature point that their squares overflow; of springs and foundations their product with a number of that size.
     TooLarge {
         /// The point \[length\]; coordinates beyond the dimension are zero.
         x: [f64; 3],
@@ -150,7 +167,7 @@ pub enum ErrorKind {
         /// Number of the function in the statement, from 0.
         component: usize,
     },
-    /// A stiffness of springs, or a density, that is negative at a quadrature point.
+    /// A stiffness of springs or of a foundation, or a density, that is negative at a quadrature point.
     Negative {
         /// The point \[length\]; coordinates beyond the dimension are zero.
         x: [f64; 3],
@@ -262,6 +279,40 @@ impl Display for ProblemError {
             ErrorKind::NoExact => write!(f, "\"{one}\" takes the values of an exact solution, and the problem has none"),
             ErrorKind::ExactInPart => write!(f, "body \"{one}\" has an exact solution, body \"{other}\" has none"),
             ErrorKind::SourceTwice => write!(f, "body \"{one}\" has a source; the exact solution has its own"),
+            ErrorKind::FoundationBesideExact => {
+                write!(f, "body \"{one}\" has a foundation; the source of the exact solution is that of a body without one")
+            }
+            ErrorKind::Revolution { wanted: true } => {
+                write!(
+                    f,
+                    "the material of body \"{one}\" has no hoop strain: bodies of revolution take materials such as Hooke::axisymmetric"
+                )
+            }
+            ErrorKind::Revolution { wanted: false } => {
+                write!(
+                    f,
+                    "the material of body \"{one}\" is one of bodies of revolution, and the problem is none: Problem::axisymmetric makes one"
+                )
+            }
+            ErrorKind::BeyondAxis { x } => {
+                write!(
+                    f,
+                    "body \"{one}\" has points beyond the axis of revolution, such as x = {}, y = {}: x = r is the radius",
+                    x[0], x[1]
+                )
+            }
+            ErrorKind::OnAxis => {
+                write!(
+                    f,
+                    "`{one}` lies on the axis of revolution, where u_x is zero and areas are: nothing acts on it and nothing moves it"
+                )
+            }
+            ErrorKind::Radial => {
+                write!(
+                    f,
+                    "contact \"{one}\": a force presses the obstacle along x = r; rigid bodies of revolution move along the axis alone"
+                )
+            }
             ErrorKind::NotFinite { x, t, value, .. } => write!(f, "\"{one}\" on `{other}`: {value} at {x:?}, t = {t}"),
             ErrorKind::TooLarge { x, t, value, .. } => {
                 write!(f, "\"{one}\" on `{other}` is too large: {value:e} at {x:?}, t = {t}; its square overflows")

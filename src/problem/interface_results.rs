@@ -124,7 +124,7 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
         }
         (result.force, result.multiplier) = (pull.force, squares.sqrt());
         if model.components > 1 {
-            result.moment = pull.moment;
+            result.moment = model.in_space(pull).moment;
         }
         (result.jump, result.largest_jump) = self.jumps(model, &state.u);
         result.consistency = self.consistency(state);
@@ -212,6 +212,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             zones.push(ContactZone { slave: &*part.slave.trace.space, contact: rows, sent });
         }
         sum.balance = balance.defect();
+        sum.moment = model.in_space(Resultant { moment: sum.moment, ..Resultant::default() }).moment;
         sum.half_width = half_width(&zones, self.symmetry);
         sum
     }

@@ -133,6 +133,7 @@ impl<const S: usize, const N: usize> StepSystem<S, N> {
                 total.add(x, &force, ds);
             });
         }
+        total.sum(&model.foundation_forces(&u, self.t));
         let mut lambda = solution.multipliers.clone();
         for (contact, built) in model.contacts.iter().zip(&self.interface.contacts) {
             for (part, rows) in contact.parts.iter().zip(built) {

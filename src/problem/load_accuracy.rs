@@ -1,4 +1,4 @@
-//! Accuracy of integrals over given data: loads, springs, prescribed values and moduli that jump inside of elements or have no bound.
+//! Accuracy of integrals over given data: loads, springs, foundations, prescribed values and moduli that jump inside of elements or have no bound.
 //!
 //! With F, M the force and the moment by the rule of the problem, F*, M* those by elements that are halved ([`Halved`]), moments about the
 //! centre c = ∫ |f| x / ∫ |f| of the load, and L² = ∫ |f| |x - c|² / ∫ |f| its spread, the error of a load is
@@ -7,7 +7,7 @@
 //! e = max( |F - F*|, |M - M*| / L ) / ∫ |f|.
 //! ```
 //!
-//! Of springs it is |∫ k - ∫* k| / ∫ |k|, of a modulus E and of prescribed values, whose errors in different elements do not make up for each
+//! Of springs it is |∫ k - ∫* k| / ∫ |k|, of a modulus E, of foundations and of prescribed values, whose errors in different elements do not make up for each
 //! other, the sum of |∫ E - ∫* E| over the elements, over ∫ |E|. Loads and sources of an exact solution without pieces are smooth: they are left
 //! out, and so are prescribed values that are bounded: those of a coarse mesh converge with the solution.
 
@@ -66,6 +66,15 @@ pub enum Integral {
         of: Statement,
         /// Label of the side.
         side: String,
+        /// The component.
+        component: usize,
+    },
+    /// The stiffness of a foundation of a patch along a component.
+    Foundation {
+        /// The statement.
+        of: Statement,
+        /// Name of the patch.
+        name: String,
         /// The component.
         component: usize,
     },
@@ -191,7 +200,7 @@ fn looked_at(times: &[f64], changes: bool) -> impl Iterator<Item = f64> + '_ {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
-    /// The loads, springs, prescribed values and moduli whose integrals are inexact by more than 1e-3 at one of `times`, each at the worst of them.
+    /// The loads, springs, foundations, prescribed values and moduli whose integrals are inexact by more than 1e-3 at one of `times`, each at the worst of them.
     pub fn inexact_integrals(&self, times: &[f64]) -> Vec<Inexact> {
         let mut found: Vec<Inexact> = self.no_loads().iter().filter_map(|load| self.inexact_load(load, times)).collect();
         for spring in &self.springs {
@@ -201,6 +210,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 let at = |t: f64| self.side_sums(&spring.side, false, &|x, _, out| out[0] = k(x, t), 1);
                 found.extend(worst(looked_at(times, spring.stiffness.depends_on_time()), of, 1, at));
             }
+        }
+        for f in self.foundations.iter().filter(|f| f.stiffness.as_constant().is_none()) {
+            let patch = &self.patches[f.body];
+            let of = || Integral::Foundation { of: f.of, name: patch.name.clone(), component: f.component };
+            let at = |t: f64| by_elements(&**patch.body.space(), &patch.rules, &|x| self.around(x), &|x| f.at(x, t));
+            found.extend(worst_by_elements(looked_at(times, f.stiffness.depends_on_time()), of, at));
         }
         found.extend(self.conditions.iter().filter_map(|c| self.inexact_value(c, times)));
         found.extend((0..self.patches.len()).filter_map(|k| self.inexact_modulus(k, times)));
@@ -238,10 +253,11 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 let physics = self.patches[load.side.patch].physics_at(t);
                 let is_constant = data(load).is_some_and(|f| f.as_constant().is_some());
                 let act = |x: &Vector<N>, n: &Vector<N>, out: &mut [f64]| self.side_force(load, &physics, t, x, n, out);
-                let (mut a, b) = sums_of_side(&load.side, &levers, is_constant, &act, c);
+                let around = |x: &Vector<N>| self.around(x);
+                let (mut a, b) = sums_of_side(&load.side, &levers, is_constant, &around, &act, c);
                 if let (Some(exact), Action::Exact(_)) = (&self.patches[load.side.patch].exact, &load.action) {
                     let terms = |x: &Vector<N>, _: &Vector<N>, out: &mut [f64]| out[0] = physics.modulus(x) * slope_size(&**exact, c, x, t);
-                    a[6] = a[6].max(CANCELLED * sums_of_side(&load.side, &levers, true, &terms, 1).0[6]);
+                    a[6] = a[6].max(CANCELLED * sums_of_side(&load.side, &levers, true, &around, &terms, 1).0[6]);
                 }
                 own.iter_mut().zip(a).for_each(|(s, v)| *s += v);
                 finer.iter_mut().zip(b).for_each(|(s, v)| *s += v);
@@ -253,7 +269,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// The sums over a side by its rule and by halves.
     fn side_sums(&self, side: &BodySide<S, N>, is_constant: bool, f: &SideDensity<'_, N>, components: usize) -> (Levers<N>, Sums, Sums) {
         let levers = Levers::of(side.trace.space.extent());
-        let (own, finer) = sums_of_side(side, &levers, is_constant, f, components);
+        let (own, finer) = sums_of_side(side, &levers, is_constant, &|x| self.around(x), f, components);
         (levers, own, finer)
     }
 
@@ -269,7 +285,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         };
         let halved = Halved::new(space, most_points(space), LEAST[N - 1]);
         let mut own = over_elements(space.num_elements(), |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &density));
-        let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<N, N>| halved.element(e, scratch, &density));
+        let around = |x: &Vector<N>, j: &Matrix<N, N>| density(x, j).map(|v| v * self.around(x));
+        let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<N, N>| halved.element(e, scratch, &around));
         if let Some(exact) = &patch.exact {
             let physics = patch.physics_at(t);
             let terms = |x: &Vector<N>, _: &Matrix<N, N>| [physics.modulus(x) * bend_size(&**exact, self.components, x, t)];
@@ -288,7 +305,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let of = || Integral::Modulus { patch: number, name: patch.name.clone() };
         worst_by_elements(looked_at(times, patch.changing.is_some()), of, |t| {
             let physics = patch.physics_at(t);
-            by_elements(&**patch.body.space(), &patch.rules, &|x| physics.modulus(x))
+            by_elements(&**patch.body.space(), &patch.rules, &|x| self.around(x), &|x| physics.modulus(x))
         })
     }
 
@@ -303,24 +320,26 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let of = || Integral::Prescribed { of: condition.of, side: side.label.clone(), component };
         worst_by_elements(looked_at(times, changes), of, |t| {
             let value = |x: &Vector<N>| self.value_at(&condition.value, (side.patch, component), x, t);
-            let found = by_elements(&*side.trace.space, &side.rules, &value);
+            let found = by_elements(&*side.trace.space, &side.rules, &|x| self.around(x), &value);
             // bounded data that are coarse converge with the solution
             if found.1 > ACCEPTED && is_bounded(&*side.trace.space, &side.rules, &value) { ([0.0; 2], 0.0) } else { found }
         })
     }
 }
 
-/// ∫ f by the rule of the problem and by halves, and the error that sums up those of the elements.
+/// ∫ f by the rule of the problem and by halves, whose points have the factor `around`, and the error that sums up those of the elements.
 fn by_elements<const D: usize, const N: usize>(
     space: &dyn Space<D, N>,
     rules: &dyn Quadrature<D>,
+    around: &(dyn Fn(&Vector<N>) -> f64 + Sync),
     f: &(dyn Fn(&Vector<N>) -> f64 + Sync),
 ) -> ([f64; 2], f64) {
     let halved = Halved::new(space, most_points(space), LEAST[D - 1]);
     let density = |x: &Vector<N>, _: &Matrix<N, D>| [f(x), f(x).abs()];
+    let finer_density = |x: &Vector<N>, j: &Matrix<N, D>| density(x, j).map(|v| v * around(x));
     let [own, finer, off, size] = over_elements(space.num_elements(), |e, both: &mut (MapTable<D, N>, HalvedScratch<D, N>)| {
         let [own, own_size] = by_rule(space, rules, e, &mut both.0, &density);
-        let [finer, size] = halved.element(e, &mut both.1, &density);
+        let [finer, size] = halved.element(e, &mut both.1, &finer_density);
         [own, finer, (own - finer).abs(), size.max(own_size)]
     });
     ([own, finer], if size > 0.0 { off / size } else { 0.0 })
@@ -382,6 +401,7 @@ fn sums_of_side<const S: usize, const N: usize>(
     side: &BodySide<S, N>,
     levers: &Levers<N>,
     is_constant: bool,
+    around: &(dyn Fn(&Vector<N>) -> f64 + Sync),
     f: &SideDensity<'_, N>,
     components: usize,
 ) -> (Sums, Sums) {
@@ -395,7 +415,10 @@ fn sums_of_side<const S: usize, const N: usize>(
         }
     };
     let own = over_elements(space.num_elements(), |e, table: &mut MapTable<S, N>| by_rule(&**space, &side.rules, e, table, &density(e)));
-    let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<S, N>| halved.element(e, scratch, &density(e)));
+    let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<S, N>| {
+        let density = density(e);
+        halved.element(e, scratch, &|x: &Vector<N>, j: &Matrix<N, S>| density(x, j).map(|v| v * around(x)))
+    });
     (own, finer)
 }
 

@@ -41,7 +41,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
     pub(super) fn volume_force<'a>(&self, patch: &'a BodyModel<S, N>, t: f64) -> Option<Box<dyn Fn(&Vector<N>, &mut [f64]) + Sync + 'a>> {
         if let Some(exact) = &patch.exact {
             let physics = patch.physics_at(t);
-            return Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| physics.exact_source(&**exact, &place(x, t), x, out)));
+            let is_revolved = patch.is_revolved();
+            return Some(Box::new(move |x: &Vector<N>, out: &mut [f64]| physics.exact_source(&**exact, &place(x, t), x, is_revolved, out)));
         }
         if patch.source.is_empty() && patch.weights.is_empty() {
             return None;
@@ -136,6 +137,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 total.force[p.component] += force;
             }
         }
+        totals.iter_mut().chain(sums.iter_mut().map(|s| &mut s.resultant)).for_each(|r| *r = self.in_space(*r));
         Loads { vector: load, totals, sums }
     }
 

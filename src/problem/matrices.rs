@@ -8,7 +8,7 @@ use crate::assembly::Blocks;
 use crate::linalg::{Csr, Vector};
 use std::borrow::Cow;
 
-/// Stiffness of every body at a given time, springs included.
+/// Stiffness of every body at a given time, springs and foundations included.
 #[derive(Clone, Debug)]
 pub struct Stiffness {
     matrices: Matrices,
@@ -19,7 +19,7 @@ pub struct Stiffness {
 /// Matrices of a model at a given time.
 #[derive(Clone, Debug)]
 pub struct Matrices {
-    /// One per body, springs included.
+    /// One per body, springs and foundations included.
     pub bodies: Vec<Csr>,
     /// Stiffness of ties and contacts between the bodies, in all unknowns.
     pub(super) between: Option<Csr>,
@@ -30,7 +30,9 @@ pub struct Matrices {
 impl Stiffness {
     /// Assembles all bodies at time `t`.
     pub fn new<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Self {
-        let springs = |k: usize| model.springs.iter().any(|s| s.side.patch == k && s.stiffness.depends_on_time());
+        let springs = |k: usize| {
+            model.springs.iter().any(|s| s.side.patch == k && s.stiffness.depends_on_time()) || model.foundations_change(Some(k))
+        };
         let (between, fault) = added(model, t, true);
         Self {
             matrices: Matrices { bodies: (0..model.patches.len()).map(|k| assembled(model, k, t)).collect(), between, fault },
@@ -39,7 +41,7 @@ impl Stiffness {
         }
     }
 
-    /// Returns the matrices at time `t`: those of bodies whose material and springs do not change are kept.
+    /// Returns the matrices at time `t`: those of bodies whose material, springs and foundations do not change are kept.
     pub fn at<const S: usize, const N: usize>(&mut self, model: &Model<S, N>, t: f64) -> &Matrices {
         if t != self.t {
             for k in (0..self.changes.len()).filter(|&k| self.changes[k]) {
@@ -97,7 +99,7 @@ fn added<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, first: boo
 /// Assembles the stiffness of body `k` at time `t`.
 fn assembled<const S: usize, const N: usize>(model: &Model<S, N>, k: usize, t: f64) -> Csr {
     let (patch, physics) = (&model.patches[k], model.patches[k].physics_at(t));
-    let mut matrix = physics.stiffness(&**patch.body.space(), &patch.rules);
+    let mut matrix = physics.stiffness(&**patch.body.space(), &patch.rules, model.foundation(k, t).as_deref());
     for spring in model.springs.iter().filter(|s| s.side.patch == k) {
         let value = |x: &Vector<N>| spring.stiffness.value(&Point::new(x.as_slice()).at_time(t));
         physics.springs(&spring.side.trace, &spring.side.rules, spring.component, &value, &mut matrix);

@@ -1,8 +1,8 @@
 //! Material of a patch, with one interface for scalar and vector unknowns.
 
-use super::data::{Exact, Point, continued_gradient, field_derivatives, field_slope};
+use super::data::{Exact, Point, field_slope};
 use super::resultant::Resultant;
-use crate::assembly::{self, Errors, Form};
+use crate::assembly::{self, Errors, Form, LowerOrder};
 use crate::linalg::{Csr, Matrix, Vector};
 use crate::physics::{self, BodyFlux, Flux, Material, MaterialError, NotLinear};
 use crate::quadrature::Quadrature;
@@ -58,12 +58,33 @@ pub(super) type PlaceFn<'a, const N: usize> = dyn Fn(&Vector<N>, &mut [f64]) + S
 /// Values written by a function of place and outward normal: one entry per component.
 pub(super) type SideFn<'a, const N: usize> = dyn Fn(&Vector<N>, &Vector<N>, &mut [f64]) + 'a;
 
+/// Stiffness per volume of every component at a place.
+pub(super) type StiffnessFn<'a, const N: usize> = dyn Fn(&Vector<N>) -> [f64; 3] + Send + Sync + 'a;
+
 /// Message of a law that is not linear.
 const LINEAR: &str = "Hooke's and Fourier's laws are linear";
 
-/// The form of a linear law.
-fn form<const C: usize, const N: usize>(material: &dyn Material<C, N>) -> Form<'_, C, N> {
-    physics::form(material).expect(LINEAR)
+/// The form of a linear law with a foundation.
+fn form<'a, const C: usize, const N: usize>(
+    material: &'a dyn Material<C, N>,
+    foundation: Option<&'a StiffnessFn<'a, N>>,
+) -> Form<'a, C, N> {
+    let form = physics::form(material).expect(LINEAR);
+    let Some(foundation) = foundation else { return form };
+    form.with_lower_order(move |x| {
+        let stiffness = foundation(x);
+        LowerOrder::of_values(Matrix::from_fn(|c, e| if c == e { stiffness[c] } else { 0.0 }))
+    })
+}
+
+/// sigma n of the field numbered by `field` through a side of the body.
+fn flux<const C: usize, const S: usize, const N: usize>(
+    material: &Arc<dyn Material<C, N>>,
+    space: &Arc<dyn Space<N, N>>,
+    (trace, field, is_revolved): (&Trace<S, N>, Field, bool),
+) -> Box<dyn Flux<S, N>> {
+    let flux = BodyFlux::new(Arc::clone(space), trace.clone(), field, Arc::clone(material)).expect(LINEAR);
+    Box::new(if is_revolved { flux.revolved() } else { flux })
 }
 
 fn filled<const C: usize>(fill: impl FnOnce(&mut [f64])) -> Vector<C> {
@@ -94,6 +115,14 @@ impl<const N: usize> Physics<N> {
         match self {
             Self::Scalar(_) => 1,
             Self::Vector(_) => N,
+        }
+    }
+
+    /// Whether the material has a strain around the axis of bodies of revolution.
+    pub(super) fn is_of_revolution(&self) -> bool {
+        match self {
+            Self::Scalar(m) => physics::is_of_revolution(&**m),
+            Self::Vector(m) => physics::is_of_revolution(&**m),
         }
     }
 
@@ -136,19 +165,25 @@ impl<const N: usize> Physics<N> {
             }
     }
 
-    /// sigma n of the field numbered by `field` through a side of the body.
-    pub(super) fn flux<const S: usize>(&self, space: &Arc<dyn Space<N, N>>, trace: &Trace<S, N>, field: Field) -> Box<dyn Flux<S, N>> {
+    /// sigma n of the field numbered by `field` through a side of the body, of one of revolution if `is_revolved`.
+    pub(super) fn flux<const S: usize>(
+        &self,
+        space: &Arc<dyn Space<N, N>>,
+        trace: &Trace<S, N>,
+        field: Field,
+        is_revolved: bool,
+    ) -> Box<dyn Flux<S, N>> {
         match self {
-            Self::Scalar(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, m.clone()).expect(LINEAR)),
-            Self::Vector(m) => Box::new(BodyFlux::new(Arc::clone(space), trace.clone(), field, m.clone()).expect(LINEAR)),
+            Self::Scalar(m) => flux(m, space, (trace, field, is_revolved)),
+            Self::Vector(m) => flux(m, space, (trace, field, is_revolved)),
         }
     }
 
-    /// The stiffness of a body.
-    pub(super) fn stiffness(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>) -> Csr {
+    /// The stiffness of a body on a foundation, if it has one.
+    pub(super) fn stiffness(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, foundation: Option<&StiffnessFn<'_, N>>) -> Csr {
         match self {
-            Self::Scalar(m) => assembly::stiffness(space, rules, &form(&**m)),
-            Self::Vector(m) => assembly::stiffness(space, rules, &form(&**m)),
+            Self::Scalar(m) => assembly::stiffness(space, rules, &form(&**m, foundation)),
+            Self::Vector(m) => assembly::stiffness(space, rules, &form(&**m, foundation)),
         }
     }
 
@@ -211,68 +246,39 @@ impl<const N: usize> Physics<N> {
         }
     }
 
-    /// -div sigma(exact): the source that makes it a solution.
-    pub(super) fn exact_source(&self, exact: &dyn Exact, at: &Point, x: &Vector<N>, out: &mut [f64]) {
-        match self {
-            Self::Scalar(m) => {
-                let (gradient, hessian) = field_derivatives::<1, N>(exact, at);
-                out.copy_from_slice((-m.divergence(x, &gradient, &hessian)).as_slice());
-            }
-            Self::Vector(m) => {
-                let (gradient, hessian) = field_derivatives::<N, N>(exact, at);
-                out.copy_from_slice((-m.divergence(x, &gradient, &hessian)).as_slice());
-            }
-        }
-    }
-
-    /// sigma n (k du/dn) of the exact solution.
-    pub fn exact_traction(&self, exact: &dyn Exact, at: &Point, x: &Vector<N>, normal: &Vector<N>, out: &mut [f64]) {
-        match self {
-            Self::Scalar(m) => out.copy_from_slice((m.respond(x, &field_slope::<1, N>(exact, at).1).stress * normal).as_slice()),
-            Self::Vector(m) => out.copy_from_slice((m.respond(x, &field_slope::<N, N>(exact, at).1).stress * normal).as_slice()),
-        }
-    }
-
-    /// sigma n (k du/dn) at the point `at` of the piece of the exact solution that holds at `inside`, with the moduli at `place`.
-    pub(super) fn piece_traction(
+    /// Norms of the error of `u` against the exact solution at time `t`; a foundation is part of the energy.
+    pub(super) fn errors(
         &self,
-        exact: &dyn Exact,
-        at: &Point,
-        [inside, place]: [&Vector<N>; 2],
-        normal: &Vector<N>,
-        out: &mut [f64],
-    ) {
-        let own = Point::new(inside.as_slice()).at_time(at.t);
+        space: &dyn Space<N, N>,
+        rules: &dyn Quadrature<N>,
+        foundation: Option<&StiffnessFn<'_, N>>,
+        (u, exact, t): (&[f64], &dyn Exact, f64),
+    ) -> Errors {
         match self {
-            Self::Scalar(m) => {
-                out.copy_from_slice((m.respond(place, &continued_gradient::<1, N>(exact, at, &own)).stress * normal).as_slice());
-            }
-            Self::Vector(m) => {
-                out.copy_from_slice((m.respond(place, &continued_gradient::<N, N>(exact, at, &own)).stress * normal).as_slice());
-            }
-        }
-    }
-
-    /// Norms of the error of `u` against the exact solution at time `t`.
-    pub fn errors(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, u: &[f64], exact: &dyn Exact, t: f64) -> Errors {
-        match self {
-            Self::Scalar(m) => assembly::errors(space, rules, &form(&**m), u, &|x: &Vector<N>| {
+            Self::Scalar(m) => assembly::errors(space, rules, &form(&**m, foundation), u, &|x: &Vector<N>| {
                 field_slope::<1, N>(exact, &Point::new(x.as_slice()).at_time(t))
             }),
-            Self::Vector(m) => assembly::errors(space, rules, &form(&**m), u, &|x: &Vector<N>| {
+            Self::Vector(m) => assembly::errors(space, rules, &form(&**m, foundation), u, &|x: &Vector<N>| {
                 field_slope::<N, N>(exact, &Point::new(x.as_slice()).at_time(t))
             }),
         }
     }
 
-    /// Norms of the difference of `u` and another field, whose value and gradient are asked for at (element, local point, place).
-    pub fn difference(&self, space: &dyn Space<N, N>, rules: &dyn Quadrature<N>, u: &[f64], other: &dyn OtherField<N>) -> Errors {
+    /// Norms of the difference of `u` and another field, whose value and gradient are asked for at (element, local point, place);
+    /// a foundation is part of the energy.
+    pub(super) fn difference(
+        &self,
+        space: &dyn Space<N, N>,
+        rules: &dyn Quadrature<N>,
+        foundation: Option<&StiffnessFn<'_, N>>,
+        (u, other): (&[f64], &dyn OtherField<N>),
+    ) -> Errors {
         match self {
-            Self::Scalar(m) => assembly::difference(space, rules, &form(&**m), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
+            Self::Scalar(m) => assembly::difference(space, rules, &form(&**m, foundation), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
                 let (value, gradient) = other.at(e, xi, x, 1);
                 (Vector::<1>::from_fn(|i, _| value[i]), Matrix::<1, N>::from_fn(|i, j| gradient[i][j]))
             }),
-            Self::Vector(m) => assembly::difference(space, rules, &form(&**m), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
+            Self::Vector(m) => assembly::difference(space, rules, &form(&**m, foundation), u, &|e, xi: &Vector<N>, x: &Vector<N>| {
                 let (value, gradient) = other.at(e, xi, x, N);
                 (Vector::<N>::from_fn(|i, _| value[i]), Matrix::<N, N>::from_fn(|i, j| gradient[i][j]))
             }),

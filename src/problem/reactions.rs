@@ -106,7 +106,7 @@ fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<Piece<S, N
     for side in &model.supports {
         let support = supports.len();
         supports.push(Piece::Side(side.clone()));
-        let conditions = model.conditions.iter().filter(|d| Arc::ptr_eq(&d.side, side)).map(|d| axis(d.component));
+        let conditions = model.conditions.iter().filter(|d| Arc::ptr_eq(&d.side, side) && !model.is_symmetry(d)).map(|d| axis(d.component));
         let held = model.held.iter().filter(|h| Arc::ptr_eq(&h.side, side)).map(|h| h.direction);
         let directions: Vec<Vector<N>> = conditions.chain(held).collect();
         for (function, weight) in integrals(model, side) {

@@ -7,7 +7,7 @@ use super::model::{BodyRim, BodySide};
 use super::regions::Piece;
 use crate::assembly::{Halved, HalvedScratch, Rim};
 use crate::basis::{Cell, Order};
-use crate::geometry::{Embedding, MapTable, cell};
+use crate::geometry::{Embedding, MapTable, cell, circumference};
 use crate::linalg::{Matrix, Vector};
 use crate::space::Trace;
 use std::sync::Arc;
@@ -144,7 +144,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok(self.regions.pieces(number).to_vec())
     }
 
-    /// Measure of the sides of a region, without edges and corners [length^S].
+    /// Measure of the sides of a region, without edges and corners [length^S]; area of surfaces of revolution.
     ///
     /// # Errors
     /// [`ErrorKind::OtherProblem`].
@@ -159,7 +159,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// [`ErrorKind::Side`], [`ErrorKind::OtherProblem`].
     pub fn measure_where(&mut self, side: SideOf<'_>, holds: &dyn Fn(&Vector<N>) -> bool) -> Result<f64, ProblemError> {
         let (whole, mut scratch) = (self.side(side)?, HalvedScratch::default());
-        let share = |x: &Vector<N>, _: &Matrix<N, S>| [f64::from(u8::from(holds(x)))];
+        let is_revolved = self.is_revolved;
+        let around = |x: &Vector<N>| if is_revolved { circumference(x) } else { 1.0 };
+        let share = |x: &Vector<N>, _: &Matrix<N, S>| [if holds(x) { around(x) } else { 0.0 }];
         let halved = Halved::new(&*whole.trace.space, whole.degree() + 1, 1);
         Ok((0..whole.trace.space.num_elements()).map(|e| halved.element(e, &mut scratch, &share)[0]).sum())
     }

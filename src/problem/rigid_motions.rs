@@ -32,9 +32,9 @@ impl<const S: usize, const N: usize> Model<S, N> {
         self.first_left(times, |t| free_by(self, t, &first, &|_, _, _| true, Ties::Points))
     }
 
-    /// Motions at the first of `times` that leaves any: springs may vanish at some of them.
+    /// Motions at the first of `times` that leaves any: springs and foundations may vanish at some of them.
     fn first_left(&self, times: &[f64], left: impl Fn(f64) -> Vec<FreeBody>) -> Vec<FreeBody> {
-        let changes = self.springs.iter().any(|s| s.stiffness.depends_on_time());
+        let changes = self.springs.iter().any(|s| s.stiffness.depends_on_time()) || self.foundations_change(None);
         let times = if changes { times } else { &times[..times.len().min(1)] };
         times.iter().map(|t| left(*t)).find(|free| !free.is_empty()).unwrap_or_default()
     }

@@ -1,13 +1,13 @@
 //! Supports, loads and joints of a problem as they were said.
 
 use super::handles::Statement;
-use super::model::{BodySide, Condition, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+use super::model::{BodySide, Condition, Foundation, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 use super::regions::Piece;
 use crate::linalg::Vector;
 use crate::space::Near;
 use std::sync::Arc;
 
-/// Supports, loads and springs, in the order in which they were said.
+/// Supports, loads, springs and foundations, in the order in which they were said.
 #[derive(Clone, Debug)]
 pub(super) struct Said<const S: usize, const N: usize> {
     pub conditions: Vec<Condition<S, N>>,
@@ -20,6 +20,7 @@ pub(super) struct Said<const S: usize, const N: usize> {
     pub loads: Vec<SideLoad<S, N>>,
     pub point_loads: Vec<PointLoad<N>>,
     pub springs: Vec<SideSpring<S, N>>,
+    pub foundations: Vec<Foundation>,
 }
 
 impl<const S: usize, const N: usize> Default for Said<S, N> {
@@ -34,6 +35,7 @@ impl<const S: usize, const N: usize> Default for Said<S, N> {
             loads: Vec::new(),
             point_loads: Vec::new(),
             springs: Vec::new(),
+            foundations: Vec::new(),
         }
     }
 }

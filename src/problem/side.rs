@@ -1,9 +1,16 @@
 //! Sides of bodies as parts of a problem.
 
 use super::model::{BodyModel, BodySide, Model};
-use crate::assembly::gauss_rules;
+use crate::assembly::{gauss_rules, revolved};
+use crate::quadrature::PerElement;
 use crate::space::{Field, JoinedSide, SideError, Trace};
 use std::sync::Arc;
+
+/// The rules of a side with `extra` points, of a surface of revolution if `is_revolved`.
+fn rules<const S: usize, const N: usize>(trace: &Trace<S, N>, extra: usize, is_revolved: bool) -> PerElement<S> {
+    let plain = gauss_rules(&*trace.space, extra);
+    if is_revolved { revolved(&*trace.space, &plain) } else { plain }
+}
 
 impl<const S: usize, const N: usize> BodySide<S, N> {
     /// The side `side` of `patch`, the patch number `number` of its model; `label` is its name in results.
@@ -16,7 +23,7 @@ impl<const S: usize, const N: usize> BodySide<S, N> {
 
     /// The part `trace` of a side, arguments before it as in [`BodySide::new`].
     pub(crate) fn of_trace(patch: &BodyModel<S, N>, number: usize, side: &str, label: String, trace: Trace<S, N>) -> Self {
-        let rules = gauss_rules(&*trace.space, patch.extra_points);
+        let rules = rules(&trace, patch.extra_points, patch.is_revolved());
         Self { patch: number, side: side.to_owned(), label, field: patch.field, runs: vec![(0, number)], trace, rules }
     }
 
@@ -42,7 +49,8 @@ impl<const S: usize, const N: usize> BodySide<S, N> {
             (start, s.patch)
         };
         let runs = sides.iter().map(run).collect();
-        let rules = gauss_rules(&*trace.space, sides.iter().map(|s| model.patches[s.patch].extra_points).max().unwrap_or(0));
+        let extra = sides.iter().map(|s| model.patches[s.patch].extra_points).max().unwrap_or(0);
+        let rules = rules(&trace, extra, model.is_revolved());
         let label = sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ");
         let field = Field { first: 0, components: model.components };
         Some(Arc::new(Self { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules }))

@@ -69,7 +69,7 @@ impl<const S: usize, const N: usize> Solution<S, N> {
         self.inner.reactions()
     }
 
-    /// Sum of all external forces and of their moments about the origin: loads, springs, reactions, and forces of obstacles. It vanishes
+    /// Sum of all external forces and of their moments about the origin: loads, springs, foundations, reactions, and forces of obstacles. It vanishes
     /// up to rounding.
     pub fn balance(&self) -> Resultant {
         self.inner.balance()
@@ -146,7 +146,7 @@ impl<const S: usize, const N: usize> Solution<S, N> {
         self.inner.warnings()
     }
 
-    /// 1/2 uᵀ K u of all bodies, their springs included \[force length\].
+    /// 1/2 uᵀ K u of all bodies, their springs and foundations included \[force length\].
     pub fn energy(&self) -> f64 {
         self.inner.energy()
     }

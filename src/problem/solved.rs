@@ -20,7 +20,7 @@ use super::regions::Regions;
 use super::resultant::Resultant;
 use super::state::StepState;
 use super::warnings::Warning;
-use crate::assembly::Errors;
+use crate::assembly::{Errors, revolved};
 use crate::linalg::{Csr, Operator, Vector};
 use crate::quadrature::Quadrature;
 use rayon::prelude::*;
@@ -171,16 +171,21 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
 
     fn errors(&self, exact: Option<&dyn Exact>) -> Vec<Errors> {
         let (t, u) = (self.state.t, &self.state.u);
-        let of = |p: &BodyModel<S, N>| {
+        let of = |(k, p): (usize, &BodyModel<S, N>)| {
             let exact = exact.or(p.exact.as_deref())?;
-            Some(p.physics_at(t).errors(&**p.body.space(), &p.rules, &u[p.range()], exact, t))
+            let foundation = self.common.model.foundation(k, t);
+            Some(p.physics_at(t).errors(&**p.body.space(), &p.rules, foundation.as_deref(), (&u[p.range()], exact, t)))
         };
-        self.common.model.patches.iter().filter_map(of).collect()
+        self.common.model.patches.iter().enumerate().filter_map(of).collect()
     }
 
     fn difference(&self, body: BodyId, rules: &dyn Quadrature<N>, other: &dyn OtherField<N>) -> Result<Errors, ProblemError> {
         let patch = self.patch(body)?;
-        Ok(patch.physics_at(self.state.t).difference(&**patch.body.space(), rules, &self.state.u[patch.range()], other))
+        let foundation = self.common.model.foundation(body.number, self.state.t);
+        let (physics, own, space) = (patch.physics_at(self.state.t), &self.state.u[patch.range()], &**patch.body.space());
+        let around = patch.is_revolved().then(|| revolved(space, rules));
+        let rules = around.as_ref().map_or(rules, |rules| rules);
+        Ok(physics.difference(space, rules, foundation.as_deref(), (own, other)))
     }
 
     fn extremes(&self, body: BodyId, derived: Option<bool>, field: Scalar<'_, N>) -> Result<Option<[Extreme<N>; 2]>, ProblemError> {
@@ -236,7 +241,8 @@ impl<const S: usize, const N: usize> Solved<S, N> {
                     outside.sum(&Resultant { force, moment: sent.moment });
                 }
             }
-            (reactions(&self.common.model, &self.state, &mut outside), outside)
+            let reactions = reactions(&self.common.model, &self.state, &mut outside);
+            (reactions, self.common.model.balanced(outside))
         })
     }
 

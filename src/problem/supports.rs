@@ -1,7 +1,7 @@
 //! Rigid motions that are left when every contact is closed.
 
 use super::data::Point;
-use super::model::{BodySide, ContactPart, Model, SideSpring, TiePart};
+use super::model::{BodySide, ContactPart, Foundation, Model, SideSpring, TiePart};
 use super::rigid::{FreeBody, RigidForm, RigidModes, RigidRow, short};
 use super::rigid_bodies::{RigidBodies, contact_terms, unit};
 use super::rigid_rows::tie_forms;
@@ -52,6 +52,30 @@ fn pulled<const S: usize, const N: usize>(
     }
     let last = all.last().copied();
     all.iter().copied().step_by(all.len().div_ceil(SAMPLES).max(1)).chain(last).collect()
+}
+
+/// Some of the points at which a foundation pulls at time `t`, each with its body: none where its stiffness is zero at all of them.
+fn pulled_inside<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    bodies: &RigidBodies,
+    foundation: &Foundation,
+    t: f64,
+) -> Vec<(usize, Vector<N>)> {
+    let patch = &model.patches[foundation.body];
+    let (space, mut table, mut all) = (&**patch.body.space(), MapTable::new(), Vec::new());
+    // parts of a body that share no functions are looked at alone
+    let is_plain = foundation.stiffness.as_constant().is_some() && patch.parts.count() == 1;
+    let step = if is_plain { space.num_elements().div_ceil(SAMPLES).max(1) } else { 1 };
+    for e in (0..space.num_elements()).step_by(step) {
+        space.map(e, &patch.rules.rule(e).points, Order::Values, &mut table);
+        let body = bodies.of_element(model, foundation.body, e);
+        all.extend(table.x.iter().filter(|x| foundation.at(x, t) != 0.0).map(|x| (body, *x)));
+    }
+    all.sort_by_key(|point| point.0);
+    all.chunk_by(|a, b| a.0 == b.0)
+        .flat_map(|own| own.iter().step_by(own.len().div_ceil(SAMPLES).max(1)).chain(own.last()))
+        .copied()
+        .collect()
 }
 
 /// The points of a contact for which `closed` holds, as rows along the normal.
@@ -153,7 +177,7 @@ pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, 
     held_by(model, bodies, Some(t), Ties::Functions)
 }
 
-/// The rigid motions of a model and what supports and ties ask of them, with the springs of a time, or without any.
+/// The rigid motions of a model and what supports and ties ask of them, with the springs and foundations of a time, or without any.
 pub fn held_by<const S: usize, const N: usize>(
     model: &Model<S, N>,
     bodies: &RigidBodies,
@@ -182,6 +206,11 @@ pub fn held_by<const S: usize, const N: usize>(
     for (t, s) in springs.iter().flat_map(|t| model.springs.iter().map(move |s| (*t, s))) {
         for (body, x) in pulled(model, bodies, s, t) {
             fix(body, unit(s.component), x);
+        }
+    }
+    for (t, f) in springs.iter().flat_map(|t| model.foundations.iter().map(move |f| (*t, f))) {
+        for (body, x) in pulled_inside(model, bodies, f, t) {
+            fix(body, unit(f.component), x);
         }
     }
     // equations between components of one function: inclined sliding
@@ -223,6 +252,7 @@ pub fn held_by<const S: usize, const N: usize>(
         }
     }
     let mut forms: Vec<RigidForm> = rows.iter().map(|row| modes.form(row)).collect();
+    forms.extend(model.held_by_symmetry(modes.num_bodies()));
     for part in model.ties.iter().flat_map(|t| &t.parts) {
         forms.extend(match ties {
             // functions may reach over parts that share none

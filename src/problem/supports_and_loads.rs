@@ -21,7 +21,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Statement { problem: self.identity.maker(Kind::Other, number), kind: Kind::Other, number }
     }
 
-    fn component(&self, component: usize) -> Result<usize, ProblemError> {
+    pub(super) fn component(&self, component: usize) -> Result<usize, ProblemError> {
         let components = self.components();
         if component < components { Ok(component) } else { Err(ProblemError::named(ErrorKind::NoComponent { component, components }, &[])) }
     }

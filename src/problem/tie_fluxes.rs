@@ -18,7 +18,7 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
     pub fn fluxes(&self, model: &Model<S, N>, t: f64) -> Fluxes<S, N> {
         let of = |side: &BodySide<S, N>| {
             let patch = &model.patches[side.patch];
-            patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field)
+            patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field, patch.is_revolved())
         };
         Fluxes { slave: of(&self.slave), masters: self.pairings.iter().map(|p| of(&p.master)).collect() }
     }

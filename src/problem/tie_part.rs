@@ -11,7 +11,7 @@ use super::system::{append, empty};
 use crate::basis::{Basis, Elements};
 use crate::coupling::consistency::ConsistencyEstimate;
 use crate::coupling::interface::{Partners, Tolerance};
-use crate::coupling::multiplier::check_counts;
+use crate::coupling::multiplier::{MultiplierError, check_counts};
 use crate::coupling::{CouplingError, Interface, Segments, Side};
 use crate::linalg::Triplets;
 use crate::space::Trace;
@@ -104,7 +104,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
                     pairings.push(Pairing { master: master.clone(), segments, second });
                     // the distance has been checked
                     let points = points_of(slave, master, tie.extra_points);
-                    finer.extend(finer_segments(slave, master, points, Partners::Touching(Tolerance::Given(f64::INFINITY))));
+                    let found = finer_segments(slave, master, points, Partners::Touching(Tolerance::Given(f64::INFINITY)));
+                    finer.extend(found.map(|segments| self.revolved(segments, slave)));
                 }
                 Err(e @ CouplingError::Rule(_)) => return Err(InterfaceError::Segments(e)),
                 Err(e) => missed = Some(e),
@@ -177,6 +178,9 @@ impl<const S: usize, const N: usize> Model<S, N> {
             }
             let constrained = |function: usize| fixed.is(field.unknown(function, c)) || members.count(self, slave.patch, function) > 1;
             let component = Some(c).filter(|_| self.components > 1);
+            if tie.multiplier.is_dual() && self.is_revolved() {
+                return Err(InterfaceError::Multiplier { component, error: MultiplierError::Revolution });
+            }
             let psi = tie.multiplier.make(&slave.trace, &constrained).map_err(|error| InterfaceError::Multiplier { component, error })?;
             let psi = wrapped(self, slave, &constrained, psi);
             if c == 0 && tie.multiplier.is_nameless() {
@@ -217,13 +221,14 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let (own, other) = (&*slave.trace.space, &*master.trace.space);
         let first = tie.rule.first(points, Partners::Touching(tolerance)).segments(own, other)?.verified(own, other)?;
         first.touching(own, other, tolerance)?;
+        let first = self.revolved(first, slave);
         if !tie.rule.is_mixed() {
             return Ok((first, None));
         }
         // a master may be longer than its slave
         let along_master = Trace::<S, N>::slave_rule(points, Partners::Near(tolerance)).segments(other, own)?;
         along_master.well_formed(other.num_elements(), own.num_elements())?;
-        Ok((first, Some(along_master.swapped())))
+        Ok((first, Some(self.revolved(along_master.swapped(), slave))))
     }
 
     /// Rows on finer segments, one list per master, against which the consistency error is estimated.

@@ -48,7 +48,7 @@ pub use mesh_from_cells::MAX_ORDER;
 pub use multipatch::{JoinedSide, MultiPatch, MultiPatchError, Seam};
 pub use off_collapsed::off_collapsed;
 pub use patch::Patch;
-pub use quality::{InvertedElement, Quality, measure, quality};
+pub use quality::{InvertedElement, Quality, measure, quality, revolved_measure};
 pub use refine_cells::{corner_places, facet_key, facets, nodes_per_cell, refine_cells};
 pub use spec::{BasisKind, MAX_DEGREE_SIMPLEX, MAX_DEGREE_SPLINE, MAX_DEGREE_TENSOR, Mapping, PatchSpec, SpecError};
 pub use trace::Trace;

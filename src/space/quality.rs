@@ -2,7 +2,7 @@
 
 use super::Space;
 use crate::basis::{Cell, Order};
-use crate::geometry::{Geometry, MapTable, Sampler, cell};
+use crate::geometry::{Geometry, MapTable, Sampler, cell, circumference};
 use crate::linalg::{Matrix, Real, Vector, determinant, lit, measure as scale, to_f64};
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 use rayon::prelude::*;
@@ -116,6 +116,20 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
 /// Gauss points are added per element until the sum settles, so that rational maps reach rounding, that of the Jacobian included;
 /// polynomial maps do at once. Affine maps take one point.
 pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?Sized>(geometry: &X) -> T {
+    integral(geometry, &|_| T::one())
+}
+
+/// Area or volume of what a map makes on its way around the axis: ∫ 2 pi r sqrt(det JᵀJ) dxi, r the first coordinate. As accurate as
+/// [`measure`].
+pub fn revolved_measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?Sized>(geometry: &X) -> T {
+    integral(geometry, &circumference)
+}
+
+/// ∫ f sqrt(det JᵀJ) dxi for a linear function f.
+fn integral<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?Sized>(
+    geometry: &X,
+    f: &(dyn Fn(&Vector<N, T>) -> T + Sync),
+) -> T {
     const COUNTS: [usize; 8] = [2, 3, 4, 6, 9, 13, 18, 24];
     let rule_of = |kind: Cell, n: usize| -> Rule<D, T> {
         match kind {
@@ -141,12 +155,13 @@ pub fn measure<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?
             if geometry.map_structure().is_affine(e) {
                 let (point, size) = &affine[kind];
                 map.map(e, kind, std::slice::from_ref(point), table);
-                return scale(&table.jacobian[0]) * *size;
+                return scale(&table.jacobian[0]) * *size * f(&table.x[0]);
             }
             let mut last = T::zero();
             for (k, rule) in rules[kind].iter().enumerate() {
                 map.map(e, 2 * (k + 1) + kind, &rule.points, table);
-                let sum = table.jacobian.iter().zip(&rule.weights).fold(T::zero(), |s, (j, &w)| s + scale(j) * w);
+                let points = table.jacobian.iter().zip(&rule.weights).zip(&table.x);
+                let sum = points.fold(T::zero(), |s, ((j, &w), x)| s + scale(j) * w * f(x));
                 let settled = k > 0 && (sum - last).abs() <= lit::<T>(16.0) * rounding(table) * sum.abs();
                 last = sum;
                 if settled {

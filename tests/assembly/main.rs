@@ -6,6 +6,7 @@ mod common;
 mod convergence;
 mod glued_assembly;
 mod lanes;
+mod lower_order;
 mod matrix_free;
 mod mesh_cells;
 mod multipatch;

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod answers;
+mod axisymmetric;
 mod backends;
 mod cases;
 mod choices;
@@ -11,6 +12,7 @@ mod contact_twins;
 mod converged;
 mod document;
 mod exact;
+mod foundation;
 mod interface;
 mod mortar_rates;
 mod pressed;

@@ -206,7 +206,8 @@ pub const CODES: &[Code] = &[
         "E041",
         3,
         "inverted element",
-        "The map of an element changes its orientation. The message names the patch, the element, the least Jacobian and where. As a \
+        "The map of an element changes its orientation. The message names the patch, the element, the least Jacobian and where. Or \
+         a body of revolution has points beyond its axis: assumption = \"axisymmetric\" takes x for the radius. As a \
          warning: cells with an aspect (longest edge over least height) beyond 1e8, whose stiffness loses its digits to rounding.",
         "points = [[0, 0], [1, 0], [1, 1], [0, 1]]    # the last two exchanged: the patch folds over",
         "put the points in order, u fastest; a weight or a point that is far off folds a patch, too.",

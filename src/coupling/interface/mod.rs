@@ -5,6 +5,7 @@ mod cuts;
 mod master_sums;
 mod merged_curve;
 mod pairing;
+mod revolution;
 mod slave;
 mod slave_pieces;
 mod surface;

@@ -30,6 +30,9 @@ pub enum MultiplierError {
         /// Multipliers available on this side.
         known: String,
     },
+    /// Dual multipliers on surfaces of revolution, whose weights 2 pi r are not those of the curve.
+    #[error("dual multipliers on surfaces of revolution are not in this version")]
+    Revolution,
     /// The degree cannot be lowered at an end.
     #[error(
         "the multiplier has degree {degree} on element {element} at the end of the side, too little to be lowered there; refine the side"

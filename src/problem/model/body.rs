@@ -1,6 +1,6 @@
 //! Bodies, their sides and rims.
 
-use crate::assembly::{Rim, gauss_rules_along, points_of_curved_cells};
+use crate::assembly::{Rim, gauss_rules_along, points_of_curved_cells, revolved};
 use crate::geometry::Bounds;
 use crate::linalg::Vector;
 use crate::problem::changing::Changing;
@@ -28,8 +28,10 @@ pub struct BodyModel<const S: usize, const N: usize> {
     pub physics: Physics<N>,
     /// The material as a function of time; `None` if it does not change.
     pub changing: Option<Changing<Physics<N>>>,
-    /// Rules of the bulk integrals.
+    /// Rules of the bulk integrals, with the factor 2 pi r of bodies of revolution.
     pub rules: PerElement<N>,
+    /// The rules without that factor, of bodies of revolution.
+    pub plane_rules: Option<PerElement<N>>,
     /// Gauss points per direction of its sides beyond degree + 1.
     pub extra_points: usize,
     /// The mesh before its refinement, by whose facets the surface is known; `None` if these are its own.
@@ -63,6 +65,7 @@ impl<const S: usize, const N: usize> BodyModel<S, N> {
             rules: gauss_rules_along(&**body.space(), curved.map(|k| k + extra_points)),
             // the normals of its sides are products of two derivatives of the map as well
             extra_points: extra_points + curved.into_iter().max().unwrap_or(0),
+            plane_rules: None,
             exact_map: body.is_exact(),
             extent: body.space().extent(),
             parts: Connected::of(&**body.space()),
@@ -75,6 +78,24 @@ impl<const S: usize, const N: usize> BodyModel<S, N> {
             weights: Vec::new(),
             exact: None,
         }
+    }
+
+    /// The body of revolution that it stands for.
+    #[must_use]
+    pub fn revolved(mut self) -> Self {
+        let rules = revolved(&**self.body.space(), &self.rules);
+        self.plane_rules = Some(std::mem::replace(&mut self.rules, rules));
+        self
+    }
+
+    /// Rules of the integrals over its elements as they are, without the factor 2 pi r of bodies of revolution.
+    pub fn rules_of_map(&self) -> &PerElement<N> {
+        self.plane_rules.as_ref().unwrap_or(&self.rules)
+    }
+
+    /// Whether it stands for a body of revolution.
+    pub fn is_revolved(&self) -> bool {
+        self.plane_rules.is_some()
     }
 
     /// Its material at time `t`.

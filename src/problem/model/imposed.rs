@@ -144,6 +144,19 @@ pub struct RigidSides<const S: usize, const N: usize> {
     pub component: usize,
 }
 
+/// Springs between a body, everywhere in it, and the ground.
+#[derive(Clone, Debug)]
+pub struct Foundation {
+    /// The statement.
+    pub of: Statement,
+    /// The body.
+    pub body: usize,
+    /// The component.
+    pub component: usize,
+    /// Force/volume per length.
+    pub stiffness: Data,
+}
+
 /// Springs between a side and the ground.
 #[derive(Clone, Debug)]
 pub struct SideSpring<const S: usize, const N: usize> {

@@ -7,7 +7,7 @@ mod tie;
 
 pub use body::{BodyModel, BodyRim, BodySide};
 pub use contact::{ContactModel, ContactPart, Opposing};
-pub use imposed::{Action, Condition, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+pub use imposed::{Action, Condition, Foundation, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
 pub use tie::{Pairing, TieModel, TiePart};
 
 use super::corners::SharedCorner;
@@ -50,6 +50,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub point_loads: Vec<PointLoad<N>>,
     /// Springs on sides.
     pub springs: Vec<SideSpring<S, N>>,
+    /// Springs of the volume.
+    pub foundations: Vec<Foundation>,
     /// Warnings of the searches for touching sides from which the problem was made.
     pub findings: Vec<FacetsApart>,
     /// Tied interfaces.
@@ -94,6 +96,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             loads: Vec::new(),
             point_loads: Vec::new(),
             springs: Vec::new(),
+            foundations: Vec::new(),
             findings: Vec::new(),
             ties: Vec::new(),
             contacts: Vec::new(),

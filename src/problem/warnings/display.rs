@@ -121,6 +121,7 @@ fn inexact(found: &Inexact, f: &mut Formatter<'_>) -> Result {
     match &found.of {
         Integral::Load { name, .. } => write!(f, "the load {name}")?,
         Integral::Spring { name, component, .. } => write!(f, "the springs of {name} along component {component}")?,
+        Integral::Foundation { name, component, .. } => write!(f, "the foundation of body \"{name}\" along component {component}")?,
         Integral::Prescribed { side, component, .. } => write!(f, "the value of component {component} prescribed on {side}")?,
         Integral::Modulus { name, .. } => write!(f, "the modulus of body \"{name}\"")?,
     }

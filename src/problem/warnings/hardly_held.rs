@@ -1,4 +1,4 @@
-//! Rigid motions held by soft springs only.
+//! Rigid motions held by soft springs and foundations only.
 //!
 //! Z: the rigid motions that supports, ties and closed contacts leave without the springs. For a motion z = Z y the springs store yᵀ S y /
 //! 2, S = Zᵀ (∫ k (d . u)² ds) Z, and bodies deformed by as much as they move store about yᵀ B y / 2 with B = Zᵀ diag(E_b V_b / L_b²) Z,
@@ -17,14 +17,15 @@ use crate::problem::rigid_bodies::{RigidBodies, unit};
 use crate::problem::rigid_rows::closed_forms;
 use crate::problem::supports::{Ties, held_by};
 use crate::quadrature::Quadrature;
+use crate::space;
 use nalgebra::{DMatrix, DVector};
 
-/// Springs with less than this fraction of the stiffness of the bodies they hold are soft.
+/// Springs and foundations with less than this fraction of the stiffness of the bodies they hold are soft.
 const SOFT: f64 = 1e-5;
 
 /// Finds the motions that springs hold with too small a fraction of the bodies' stiffness at time `t`.
 pub(super) fn hardly_held<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Vec<Warning> {
-    if model.springs.is_empty() {
+    if model.springs.is_empty() && model.foundations.is_empty() {
         return Vec::new();
     }
     let bodies = RigidBodies::of(model);
@@ -47,6 +48,19 @@ pub(super) fn hardly_held<const S: usize, const N: usize>(model: &Model<S, N>, t
                 let k = spring.stiffness.value(&Point::new(x.as_slice()).at_time(t)) * w * measure(j);
                 let form = modes.form(&RigidRow { terms: vec![(body, 1.0, *x)], direction: unit(spring.component) });
                 modes.add_square(&form, k, &mut springs);
+            }
+        }
+    }
+    for foundation in &model.foundations {
+        let patch = &model.patches[foundation.body];
+        let space = &**patch.body.space();
+        let mut table = MapTable::new();
+        for e in 0..space.num_elements() {
+            let (body, rule) = (bodies.of_element(model, foundation.body, e), patch.rules.rule(e));
+            space.map(e, &rule.points, Order::Gradients, &mut table);
+            for ((x, j), w) in table.x.iter().zip(&table.jacobian).zip(&rule.weights) {
+                let form = modes.form(&RigidRow { terms: vec![(body, 1.0, *x)], direction: unit(foundation.component) });
+                modes.add_square(&form, foundation.at(x, t) * w * measure(j), &mut springs);
             }
         }
     }
@@ -86,15 +100,16 @@ fn warning<const S: usize, const N: usize>(
 fn body_stiffness<const S: usize, const N: usize>(model: &Model<S, N>, bodies: &RigidBodies, count: usize) -> Vec<f64> {
     let mut sums = vec![0.0; count];
     for (k, patch) in model.patches.iter().enumerate() {
-        let space = &**patch.body.space();
-        let bounds = space.all_bounds().into_iter().reduce(|a, b| a.union(&b));
-        let (Some(bounds), true) = (bounds, space.num_elements() > 0) else { continue };
-        let center = cell::center::<N, f64>(space.cell(0));
+        let body = &**patch.body.space();
+        let bounds = body.all_bounds().into_iter().reduce(|a, b| a.union(&b));
+        let (Some(bounds), true) = (bounds, body.num_elements() > 0) else { continue };
+        let center = cell::center::<N, f64>(body.cell(0));
         let mut table = MapTable::new();
-        space.map(0, &[center], Order::Values, &mut table);
+        body.map(0, &[center], Order::Values, &mut table);
         let x: Vector<N> = table.x[0];
         let length = bounds.diagonal();
-        sums[bodies.of_patch(k)] += patch.physics.modulus(&x) * crate::space::measure::<N, N, f64, _>(space) / (length * length);
+        let volume = if patch.is_revolved() { space::revolved_measure(body) } else { space::measure(body) };
+        sums[bodies.of_patch(k)] += patch.physics.modulus(&x) * volume / (length * length);
     }
     // a force-driven obstacle has no stiffness of its own: it takes the least of the bodies
     let least = sums.iter().copied().filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);

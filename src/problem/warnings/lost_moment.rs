@@ -10,6 +10,9 @@ const LOST: f64 = 1e-3;
 
 /// Finds the ties that lose moments.
 pub(super) fn lost_moments<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
+    if model.is_revolved() {
+        return Vec::new();
+    }
     let mut found = Vec::new();
     if model.components != N {
         return found;

@@ -42,7 +42,7 @@ pub(super) fn patch_test<const S: usize, const N: usize>(model: &Model<S, N>) ->
         // other maps are polynomials
         let patch = Some(&model.patches[k]).filter(|p| p.exact_map)?;
         let space = &**patch.body.space();
-        let own_rule = |e: usize| patch.rules.rule(e).clone();
+        let own_rule = |e: usize| patch.rules_of_map().rule(e).clone();
         let mut bent = defects(space, &most_bent(space), FIRST_LOOK, &own_rule);
         bent.retain(|d| d.1 > GOOD);
         let bent: Vec<usize> = bent.into_iter().map(|d| d.0).collect();

@@ -147,6 +147,7 @@ impl Case {
                 exact: None,
                 source: None,
                 gravity: None,
+                foundation: Vec::new(),
                 reference: None,
                 stored: None,
             },

@@ -64,7 +64,7 @@ impl Reader {
         let assumption = if dimension.value == 3 {
             Located::new(Assumption::Solid, Place::NONE)
         } else {
-            self.word(b, "assumption", &[Assumption::PlaneStrain, Assumption::PlaneStress])
+            self.word(b, "assumption", &[Assumption::PlaneStrain, Assumption::PlaneStress, Assumption::Axisymmetric])
         };
         let exact = self.exact(b, n);
         let source = self.source(b, poisson, n);
@@ -77,10 +77,11 @@ impl Reader {
             );
         }
         let gravity = self.gravity(b);
+        let foundation = self.foundation(b, poisson, n, exact.is_some());
         let reference = b.node("reference").cloned().and_then(|node| self.text_of(&node, "reference"));
         let stored = reference.as_ref().and_then(|file| self.open_reference(file));
         self.absolute(b, "reference");
-        Model { head: b.head(), physics, dimension, assumption, exact, source, gravity, reference, stored }
+        Model { head: b.head(), physics, dimension, assumption, exact, source, gravity, foundation, reference, stored }
     }
 
     /// `exact`: a manufactured solution of `n` components.
@@ -99,6 +100,32 @@ impl Reader {
     /// `gravity` (elasticity).
     pub fn gravity(&mut self, b: &Block) -> Option<Located<Vec<f64>>> {
         b.node("gravity").cloned().and_then(|node| self.vector_of(&node, "gravity", true))
+    }
+
+    /// `reaction` (Poisson) or `foundation` (elasticity), per component.
+    pub fn foundation(&mut self, b: &Block, poisson: bool, n: usize, beside_exact: bool) -> Components<Formula> {
+        let key = if poisson { "reaction" } else { "foundation" };
+        let Some(node) = b.node(key).cloned() else { return (0..n).map(|_| None).collect() };
+        let all = match &node.value {
+            Value::Table(t) if t.entries.is_empty() => {
+                let example = if poisson { "1.0" } else { "{ y = 1e3 }" };
+                self.wrong_type(&node, key, "a table of some components", format!("write {key} = {example}"));
+                return (0..n).map(|_| None).collect();
+            }
+            _ => self.formulas_of(&node, key, Uses::Space, n),
+        };
+        if beside_exact {
+            let message = format!("`{key}` does not stand beside `exact`");
+            self.fault("E015", node.at, message, "the source of `exact` is that of the equation without it; leave one of them out");
+        }
+        // negative stiffness is unstable; the sign of formulas is not known here
+        for k in all.iter().flatten() {
+            if let Some(value) = k.value.as_constant().filter(|v| *v < 0.0) {
+                let message = format!("`{key}` must not be negative, found {value:?}");
+                self.fault("E015", k.at, message, "it pulls back with the force stiffness times displacement: write it positive");
+            }
+        }
+        all
     }
 
     /// `source` (Poisson) or `body_force` (elasticity).
@@ -265,7 +292,11 @@ impl Reader {
         }
         self.limit(&p, "young", "positive", |v| v > 0.0, "");
         let stress = model.assumption.value == Assumption::PlaneStress;
-        let what = if stress { "plane stress" } else { "plane strain" };
+        let what = match model.assumption.value {
+            Assumption::PlaneStress => "plane stress",
+            Assumption::Axisymmetric => "the stiffness of bodies of revolution",
+            _ => "plane strain",
+        };
         if stress {
             self.limit(&q, "poisson", "between -1 and 0.5", |v| v > -1.0 && v <= 0.5, "");
         } else if q.as_constant() == Some(0.5) {

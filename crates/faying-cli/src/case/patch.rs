@@ -53,10 +53,26 @@ impl Reader {
             );
         }
         let gravity = self.gravity(b);
+        let foundation = self.foundation(b, poisson, model.components(), model.exact.is_some());
         let closed = b.node("closed").cloned().and_then(|n| self.text_of(&n, "closed"));
         let glue = b.node("glue").cloned().and_then(|n| self.flag_of(&n, "glue").map(|glue| Located::new(glue, n.at)));
         let glue = glue.unwrap_or(Located::new(true, b.at));
-        Patch { head: b.head(), name, geometry, material, elements, refine, grade, discretization, exact, source, gravity, closed, glue }
+        Patch {
+            head: b.head(),
+            name,
+            geometry,
+            material,
+            elements,
+            refine,
+            grade,
+            discretization,
+            exact,
+            source,
+            gravity,
+            foundation,
+            closed,
+            glue,
+        }
     }
 
     fn patch_material(&mut self, b: &mut Block, materials: &[Material]) -> Located<usize> {

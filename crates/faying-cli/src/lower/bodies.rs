@@ -6,6 +6,7 @@ use super::places::Places;
 use super::{boundary, couples, glue, meshes, patches};
 use crate::errors::Diagnostics;
 use crate::shapes::MakeNet;
+use faying::physics::Assumption;
 use faying::problem::Problem;
 
 /// A problem without ties and contacts, the places of its statements, and which sides are coupled.
@@ -17,7 +18,8 @@ pub(super) fn supported<const S: usize, const N: usize>(
     net: MakeNet<N>,
 ) -> Result<Supported<S, N>, Diagnostics> {
     let case = builder.case;
-    let (mut problem, mut places) = (Problem::new(), Places::default());
+    let problem = if case.model.assumption.value == Assumption::Axisymmetric { Problem::axisymmetric() } else { Problem::new() };
+    let (mut problem, mut places) = (problem, Places::default());
     problem.times(case.times(true));
     let most = case.contacts.iter().map(|c| c.active_set.max_iterations.value).max().unwrap_or(1);
     problem.active_set(case.contacts.first().map_or(1.0, |c| c.active_set.c.value), most);

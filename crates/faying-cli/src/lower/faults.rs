@@ -68,7 +68,7 @@ fn data_fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, place
     if matches!(error.kind, ErrorKind::Negative { .. }) {
         let text = format!("{what} of `{}` must not be negative, found {value:?} at {x}", error.names()[1]);
         return builder.error(code, text, formula.at).with_help(
-            "a spring pulls back with the force stiffness times displacement, and weight is density times gravity: both are positive",
+            "a spring or a foundation pulls back with the force stiffness times displacement, and weight is density times gravity: they are positive",
         );
     }
     let of = match error.of.iter().find_map(|of| places.patch(*of)) {
@@ -135,6 +135,25 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
             let text =
                 format!("the condition on `{own}` contradicts {} where they meet, by {}{when}", others.join(" and "), short(*defect));
             builder.error("E052", text, at).with_help("make the values agree in common points, or drop one of the conditions")
+        }
+        ErrorKind::BeyondAxis { x } => {
+            let Some(number) = patch() else { return builder.error("E041", error.to_string(), at) };
+            let text = format!("patch \"{}\" has points beyond the axis x = 0, such as {}", error.names()[0], place(&x[..N]));
+            builder
+                .error("E041", text, case.patches[number].geometry.at)
+                .with_help("x is the radius here: keep to x >= 0, half of the section is all of the body of revolution")
+        }
+        ErrorKind::OnAxis => {
+            let text = format!("`{}` lies on the axis x = 0, where u.x is zero and areas are", error.names()[0]);
+            builder
+                .error("E015", text, at)
+                .with_help("leave it out: u.x is held there without a word, and u.y is prescribed or free as elsewhere")
+        }
+        ErrorKind::Radial => {
+            let text = format!("a force presses the obstacle of contact \"{}\" along x, the radius", error.names()[0]);
+            builder
+                .error("E015", text, at)
+                .with_help("bodies of revolution move along y alone; `move` takes x, as for a mandrel that opens")
         }
         ErrorKind::Glue(of_sides) => glue::fault(builder, at, error.names(), of_sides),
         ErrorKind::NoExact => {

@@ -128,6 +128,9 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
             let direction = format!("component {}", component_name(*component, components));
             too_many(builder, name, slave, &direction, (*multipliers, *free), at)
         }
+        MultiplierError::Revolution => {
+            builder.error("E019", format!("\"{name}\" on `{}`: {error}", slave.label()), at).with_help(positive_help(slave))
+        }
         _ => builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label()), at),
     }
 }

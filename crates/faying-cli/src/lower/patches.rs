@@ -12,7 +12,7 @@ use faying::problem::{BodyMaterial, BodySpec, Changing, Physics, Problem, Proble
 use faying::space::{Body, PatchSpec, divided};
 use std::sync::Arc;
 
-/// Says all bodies of the case, with their sources and weights; errors go to the builder's faults.
+/// Says all bodies of the case, with their sources, weights and foundations; errors go to the builder's faults.
 pub(super) fn say<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     net: MakeNet<N>,
@@ -67,6 +67,12 @@ fn one<const S: usize, const N: usize>(
     for source in [&case.model.source, &patch.source].into_iter().flatten() {
         let said = problem.source(id, source.value.iter().map(|f| f.value.clone().into()).collect()).map_err(refused(source.at))?;
         places.keep(said, Said { at: source.at, what: "source", formulas: source.value.clone(), ..Said::default() });
+    }
+    for (component, f) in [&case.model.foundation, &patch.foundation].into_iter().flat_map(|all| all.iter().enumerate()) {
+        let Some(f) = f else { continue };
+        let said = problem.foundation(id, component, f.value.clone()).map_err(refused(f.at))?;
+        let what = if case.model.components() == 1 { "reaction" } else { "foundation" };
+        places.keep(said, Said { at: f.at, what, formulas: vec![f.clone()], ..Said::default() });
     }
     let gravity = [&case.model.gravity, &patch.gravity].into_iter().flatten();
     let sum = gravity.fold(None, |sum: Option<[f64; N]>, g| Some(std::array::from_fn(|k| sum.map_or(g.value[k], |s| s[k] + g.value[k]))));

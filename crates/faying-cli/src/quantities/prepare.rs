@@ -11,7 +11,6 @@ use crate::shapes::named_point;
 use faying::geometry::ClosestPoint;
 use faying::linalg::Vector;
 use faying::problem::{Contents, InterfaceId, InterfaceView};
-use faying::space::measure;
 use serde_json::Value;
 
 /// Distance from a body, as a fraction of an element, within which a point moves to the nearest point of the body.
@@ -227,7 +226,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                 let p = self.contents.body(s.patch);
                 let trace = p.body().trace(&s.side);
                 let trace = trace.map_err(|e| self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name()), at))?;
-                sum += measure::<S, N, f64, _>(&*trace.space);
+                sum += p.side_measure(&trace);
             }
             return Ok(Prepared::Number(sum));
         }
@@ -237,7 +236,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         for p in self.contents.bodies() {
             if let Some(rest) = side.strip_prefix(&format!("{}.", p.name())) {
                 return match p.body().trace(canonical(rest, N).unwrap_or(rest)) {
-                    Ok(trace) => Ok(Prepared::Number(measure::<S, N, f64, _>(&*trace.space))),
+                    Ok(trace) => Ok(Prepared::Number(p.side_measure(&trace))),
                     Err(e) => Err(self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name()), at)),
                 };
             }
@@ -250,7 +249,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     /// The area (volume in 3D) of the patches that a name stands for.
     fn measure_of(&self, name: &str) -> Option<Prepared<S, N>> {
         let patches = self.case.find_patches(name);
-        let of = |k: &usize| measure::<N, N, f64, _>(&**self.contents.body(*k).space());
+        let of = |k: &usize| self.contents.body(*k).measure();
         (!patches.is_empty()).then(|| Prepared::Number(patches.iter().map(of).sum()))
     }
 

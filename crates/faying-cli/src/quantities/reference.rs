@@ -36,7 +36,7 @@ pub const QUANTITIES: &[QuantityRow] = &[
     row("flux.x", "a component of k grad u (Poisson) at a point, or an extreme", "unit of u/length", "flux.x at [0.5, 0.5]"),
     row("stress.xx", "a component of the stress at a point, or an extreme; tension is positive", "force/area", "stress.yy.max in lower"),
     row("von_mises", "the equivalent stress of von Mises at a point, or an extreme", "force/area", "von_mises.max"),
-    row("energy", "1/2 a(u, u): stored energy of all bodies and springs", "force length", "energy"),
+    row("energy", "1/2 a(u, u): stored energy of all bodies, springs and foundations", "force length", "energy"),
     row("unknowns", "number of unknowns, `unknowns.primal` and `unknowns.multipliers`", "", "unknowns.primal"),
     row(
         "error.u.L2",

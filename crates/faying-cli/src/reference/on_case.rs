@@ -163,7 +163,7 @@ where
         }
         let of_name = |text: String| refused("E015", format!("`{name}` of the stored run {text}"));
         let sides = sides(contents, &patches, &stored, components).map_err(of_name)?;
-        let parts: Result<Vec<_>, String> = of.sides().iter().map(|slave| on_sides(slave.side(), &sides)).collect();
+        let parts: Result<Vec<_>, String> = of.sides().iter().map(|slave| on_sides(slave.side(), &sides, contents.is_revolved())).collect();
         lambda.push(ReferenceLambda { name: name.to_owned(), parts: parts.map_err(of_name)? });
     }
     Ok(Some(Reference { patches, lambda }))
@@ -331,7 +331,11 @@ fn sides<'a, const S: usize, const N: usize>(
 }
 
 /// The common refinement of a slave side and those sides of the run that lie on it.
-fn on_sides<const S: usize, const N: usize>(slave: &SideView<S, N>, sides: &[Side<'_, S, N>]) -> Result<Vec<OnSide<S>>, String>
+fn on_sides<const S: usize, const N: usize>(
+    slave: &SideView<S, N>,
+    sides: &[Side<'_, S, N>],
+    is_revolved: bool,
+) -> Result<Vec<OnSide<S>>, String>
 where
     Trace<S, N>: InterfaceSide<S, N>,
 {
@@ -343,6 +347,7 @@ where
         let quadrature = Trace::<S, N>::merged(points, Partners::Near(Tolerance::Local));
         let segments = quadrature.segments(&*slave.trace().space, &*side.trace.space).map_err(|e| e.to_string())?;
         covered += segments.measure();
+        let segments = if is_revolved { segments.revolved(&*slave.trace().space) } else { segments };
         let (components, degree, values) = (side.stored.components, side.stored.degree, Arc::clone(&side.values));
         found.push(OnSide { segments, components, degree, values });
     }

@@ -14,7 +14,7 @@ use faying::problem::{
     ContactResult, Contents, InterfaceId, InterfaceView, LoadSum, PairView, Resultant, SideView, Solution, TieResult, Violation,
 };
 use faying::quadrature::{PerElement, Quadrature};
-use faying::space::{diameter, measure, quality};
+use faying::space::{diameter, quality};
 
 /// The result before anything is solved: all names, all counts, the geometry.
 pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, built: &Built<S, N>) -> RunResult {
@@ -29,7 +29,7 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, buil
         None => quality(&**b.space()).map_or(f64::NAN, |q| q.least_jacobian),
     });
     result.geometry = GeometryReport {
-        measure: bodies().map(|b| (b.name().to_owned(), measure::<N, N, f64, _>(&**b.space()))).collect(),
+        measure: bodies().map(|b| (b.name().to_owned(), b.measure())).collect(),
         least_jacobian: soundness.fold(f64::INFINITY, f64::min),
         points: bodies().map(|b| (b.name().to_owned(), gauss_points(b.rules()))).collect(),
         elements: bodies().map(|b| b.space().num_elements()).sum(),

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod battery;
+mod bulk_terms;
 mod case_files;
 mod exact_per_patch;
 mod extremes;

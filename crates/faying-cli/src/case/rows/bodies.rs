@@ -1,8 +1,8 @@
 //! `[[patch]]`: geometry, elements, functions.
 
-use super::common::{later, other_backend, word};
+use super::common::{foundation, other_backend, reaction, word};
 use super::model::{BASIS, CELL, CONTINUITY, DEGREE, EXACT, MAPPING, POINTS};
-use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Special};
+use crate::case::key::{Axis, Key, KeyKind, Only, Special};
 use crate::case::names::EntryFamily;
 use crate::case::tree::Value;
 
@@ -52,8 +52,8 @@ pub(in crate::case) const PATCH: &[Key] = &[
     Key::new("glue", KeyKind::Flag, "whether touching sides of a file's patches are glued; default true").optional("false").only(OF_FILES),
     Key::of("exact", Special::Block(EXACT), "manufactured solution in this patch, instead of that of the model; it may jump between patches")
         .optional("{ u = [\"x*y\", \"0\"] }"),
-    later("reaction", Plain::Zero, "0", "leave it out, or write 0"),
-    later("foundation", Plain::Zero, "0", "a `spring` of [[boundary]] acts on sides"),
+    reaction("c of -div(k grad u) + c u = f in this patch, beside that of the model").only(Only { instead: "use foundation", ..POISSON }),
+    foundation("springs of the volume of this patch, beside those of the model").only(Only { instead: "use reaction", ..ELASTIC }),
 ];
 
 const OVERRIDES: &str = "instead of that of [discretization]";

@@ -1,6 +1,6 @@
 //! Keys that several blocks have, and questions of their conditions.
 
-use crate::case::key::{Key, Plain, Scene, Special};
+use crate::case::key::{Key, KeyKind, Plain, Scene, Special};
 use crate::case::tree::{Table, Value};
 use crate::place::Origin;
 
@@ -12,6 +12,16 @@ pub(super) const fn later(name: &'static str, plain: Plain, example: &'static st
 /// `name`, made of the block and the position by default.
 pub(super) const fn name() -> Key {
     Key::of("name", Special::Name, "name in messages, tables and files; default BLOCK-0, BLOCK-1, ..").optional("\"pad\"")
+}
+
+/// The reaction term of Poisson's equation.
+pub(super) const fn reaction(text: &'static str) -> Key {
+    Key::new("reaction", KeyKind::Formula, text).optional("\"1 + x\"")
+}
+
+/// Springs of the volume.
+pub(super) const fn foundation(text: &'static str) -> Key {
+    Key::of("foundation", Special::Components { exact: false }, text).unit("force/volume/length").optional("{ y = 1e3 }")
 }
 
 /// The text of a key of a table.

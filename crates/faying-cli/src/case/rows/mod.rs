@@ -58,7 +58,7 @@ const fn coordinate(name: &'static str) -> Key {
 }
 
 /// Words that users may expect in any block and that are not implemented.
-pub(super) const LATER: &[&str] = &["friction", "axisymmetric", "dynamics", "thermal", "plasticity", "adhesion", "damping"];
+pub(super) const LATER: &[&str] = &["friction", "dynamics", "thermal", "plasticity", "adhesion", "damping"];
 
 /// Keys within the value of a key.
 pub(super) fn inside(key: &Key, names: &Names) -> Inside {

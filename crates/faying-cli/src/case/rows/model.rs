@@ -1,6 +1,6 @@
 //! `[model]`, `[discretization]`, `[[material]]`.
 
-use super::common::{later, word};
+use super::common::{foundation, later, reaction, word};
 use crate::case::key::{Axis, Key, KeyKind, Only, Plain, Scene, Special};
 use crate::case::names::EntryFamily;
 use crate::case::tree::Table;
@@ -9,9 +9,8 @@ use crate::case::types::{BASES, CELLS, MAPPINGS};
 const ELASTIC: Only = Only { holds: |t, _| word(t, "physics") != Some("poisson"), of: "elasticity", instead: "use source" };
 const POISSON: Only = Only { holds: |t, _| word(t, "physics") != Some("elasticity"), of: "poisson", instead: "use body_force" };
 const PLANE: Only = Only {
-    // refused as a word of its own
     holds: |t, _| !in_space(t) && (word(t, "assumption") == Some("axisymmetric") || word(t, "physics") != Some("poisson")),
-    of: "plane elasticity",
+    of: "plane elasticity and bodies of revolution",
     instead: "",
 };
 
@@ -23,7 +22,11 @@ pub(in crate::case) const MODEL: &[Key] = &[
     Key::new("physics", KeyKind::Word(&["poisson", "elasticity"]), "-div(k grad u) = f, or -div sigma(u) = f").required("\"elasticity\""),
     Key::new("dimension", KeyKind::Whole(2, 3), "dimension of space").required("2"),
     later("kinematics", Plain::Words(&["small"], &["finite"]), "\"small\"", "displacements and rotations are small here"),
-    Key::new("assumption", KeyKind::Word(&["plane-strain", "plane-stress"]), "elasticity in the plane")
+    Key::new(
+        "assumption",
+        KeyKind::Word(&["plane-strain", "plane-stress", "axisymmetric"]),
+        "elasticity in the plane; axisymmetric (poisson, too): x >= 0 is the radius, y the axis, forces, areas and energies are of the full circle, stress.zz is the hoop stress",
+    )
         .default("\"plane-strain\"")
         .only(PLANE),
     Key::of("exact", Special::Block(EXACT), "manufactured solution: source, data marked \"exact\" and errors follow from it")
@@ -38,8 +41,8 @@ pub(in crate::case) const MODEL: &[Key] = &[
         .unit("length/time^2")
         .optional("[0, -9.81]")
         .only(ELASTIC),
-    later("reaction", Plain::Zero, "0", "leave it out, or write 0"),
-    later("foundation", Plain::Zero, "0", "a `spring` of [[boundary]] acts on sides"),
+    reaction("c of -div(k grad u) + c u = f; not beside exact").only(Only { instead: "use foundation", ..POISSON }),
+    foundation("springs of the volume: force per volume and length; not beside exact").only(Only { instead: "use reaction", ..ELASTIC }),
 ];
 
 pub(in crate::case) const EXACT: &[Key] =

@@ -1,6 +1,6 @@
 //! `[model]` and `[[material]]`: the equation and its constants.
 
-use super::Head;
+use super::{Components, Head};
 use crate::case::given::Given;
 use crate::formula::Formula;
 use crate::place::{Located, Place};
@@ -28,7 +28,7 @@ pub struct Model {
     pub physics: Located<Physics>,
     /// 2 or 3.
     pub dimension: Located<usize>,
-    /// Plane strain or plane stress; none in space.
+    /// Plane strain, plane stress or bodies of revolution; none in space.
     pub assumption: Located<Assumption>,
     /// Manufactured solution, one formula per component.
     pub exact: Option<Located<Vec<Located<Formula>>>>,
@@ -36,6 +36,8 @@ pub struct Model {
     pub source: Option<Located<Vec<Located<Formula>>>>,
     /// Acceleration; needs a density.
     pub gravity: Option<Located<Vec<f64>>>,
+    /// Springs of the volume per component; Poisson: the reaction term.
+    pub foundation: Components<Formula>,
     /// Path of a stored run that replaces the exact solution.
     pub reference: Option<Located<String>>,
     /// Contents of the stored run.

@@ -1,6 +1,6 @@
 //! `[[patch]]`: bodies, and the joints between patches of one file.
 
-use super::{Discretization, Divisions, Grading, Head};
+use super::{Components, Discretization, Divisions, Grading, Head};
 use crate::case::part::FilePart;
 use crate::formula::Formula;
 use crate::place::{Located, Place};
@@ -157,6 +157,8 @@ pub struct Patch {
     pub source: Option<Located<Vec<Located<Formula>>>>,
     /// Acceleration of this patch, beside that of the model; needs a density.
     pub gravity: Option<Located<Vec<f64>>>,
+    /// Springs of the volume of this patch, or its reaction term, beside that of the model.
+    pub foundation: Components<Formula>,
     /// Direction that closes on itself.
     pub closed: Option<Located<String>>,
     /// Whether the patches of a file are glued.

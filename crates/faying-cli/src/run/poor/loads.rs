@@ -1,4 +1,4 @@
-//! Diagnostics of loads, springs, prescribed values and moduli that jump inside of elements or have no bound, of which the rule of integration
+//! Diagnostics of loads, springs, foundations, prescribed values and moduli that jump inside of elements or have no bound, of which the rule of integration
 //! misses a part.
 
 use crate::case::{Boundary, Case, Datum};
@@ -43,6 +43,16 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, 
                 one(finer)
             );
             (text, at, HELP)
+        }
+        Integral::Foundation { of, name, component } => {
+            let key = if components == 1 { "reaction" } else { "foundation" };
+            let text = format!(
+                "the {key} of patch \"{name}\" along {} varies inside of elements{when}: their rules see {} for {} in all, and {error} % of it in wrong elements",
+                component_name(*component, components),
+                one(by_rule),
+                one(finer)
+            );
+            (text, model.places.at(*of), HELP)
         }
         Integral::Prescribed { of, side, component } => {
             let text = format!(

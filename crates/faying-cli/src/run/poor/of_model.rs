@@ -54,14 +54,16 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, 
             "take more elements along the sides, degree 2 or more, mapping = \"exact\", or backend = \"iga\"".into(),
         ),
         Warning::HardlyHeld { motions, share, .. } => {
-            let springs = case.boundaries.iter().find(|b| b.spring.iter().any(Option::is_some));
+            let springs = case.boundaries.iter().find(|b| b.spring.iter().any(Option::is_some)).map(|b| b.head.at);
+            let foundation = || [&case.model.foundation, &case.patches[of.number].foundation].into_iter().flatten().flatten().next();
+            let held_by = springs.or_else(|| foundation().map(|f| f.at));
             let text = format!(
                 "body \"{name}\" is hardly held: springs hold its {} with {} of its own stiffness; rounding is that much larger there",
                 motions.join(", "),
                 short(*share)
             );
             let help = "fix the motion, or make the springs stiffer where they stand for a support";
-            ("E051", text, springs.map_or(block(of.number), |b| b.head.at), help.into())
+            ("E051", text, held_by.unwrap_or(block(of.number)), help.into())
         }
         Warning::FluxJump { x, share, .. } => {
             let where_ = if of.kind == SubjectKind::Body { "inside patch" } else { "across interface" };
