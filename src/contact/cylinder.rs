@@ -41,7 +41,6 @@ impl<const D: usize, const N: usize, T: Real> Obstacle<D, N, T> for Cylinder<N, 
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::check;
     use crate::contact::{HalfPlane, Sphere, opposed};
 
     fn point(x: [f64; 3]) -> Vector<3> {
@@ -84,10 +83,8 @@ mod tests {
     }
 
     #[test]
-    fn it_keeps_the_rules_of_obstacles_and_faces_what_opposes_it() {
+    fn it_faces_what_opposes_it() {
         let cylinder = Cylinder::try_new(point([0.1, 0.2, 0.0]), point([0.2, -0.3, 1.0]), 0.8).unwrap();
-        let points: Vec<Vector<3>> = (0..60).map(|i| Vector::from_fn(|k, _| 2.5 * (1.3 * i as f64 + 2.1 * k as f64).sin())).collect();
-        check::obstacle::<2, 3, f64>(&cylinder, &points, 1e-12).unwrap();
         // a slave that looks away from it, or along it
         let x = point([2.0, 0.2, 0.0]);
         for (outward, faced) in [([-1.0, 0.0, 0.0], true), ([1.0, 0.0, 0.0], false), ([0.0, 0.0, 1.0], false)] {

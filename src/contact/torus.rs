@@ -55,7 +55,6 @@ impl<const D: usize, const N: usize, T: Real> Obstacle<D, N, T> for Torus<N, T> 
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::check;
     use crate::contact::{Cylinder, opposed};
 
     fn point(x: [f64; 3]) -> Vector<3> {
@@ -107,12 +106,5 @@ mod tests {
         assert!(opposed::<2, 3, f64>(&torus, &point([0.1, 0.0, 0.0]), &point([0.0, 0.0, 1.0])).is_none());
         // the circle itself has no closest point
         assert!(Obstacle::<2, 3>::project(&torus, &point([2.0, 0.0, 0.0]), &point([0.0, 0.0, 1.0])).is_none());
-    }
-
-    #[test]
-    fn it_keeps_the_rules_of_obstacles() {
-        let torus = Torus::try_new(point([0.1, -0.2, 0.3]), point([0.3, 0.1, 1.0]), 1.5, 0.4).unwrap();
-        let points: Vec<Vector<3>> = (0..80).map(|i| Vector::from_fn(|k, _| 2.2 * (1.7 * i as f64 + 2.3 * k as f64).sin())).collect();
-        check::obstacle::<2, 3, f64>(&torus, &points, 1e-12).unwrap();
     }
 }

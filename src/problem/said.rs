@@ -1,7 +1,9 @@
 //! Supports, loads and joints of a problem as they were said.
 
 use super::handles::Statement;
-use super::model::{BodySide, Condition, Foundation, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+use super::model::{
+    BodySide, Condition, Foundation, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value,
+};
 use super::regions::Piece;
 use crate::linalg::Vector;
 use crate::space::Near;

@@ -15,4 +15,5 @@ mod obstacles;
 mod poles;
 mod pressed;
 mod threads;
+mod tied;
 mod zones;

@@ -26,6 +26,18 @@ fn shapes_below() -> Vec<(&'static str, Shape)> {
     ]
 }
 
+#[test]
+fn cylinders_and_tori_keep_the_rules_of_obstacles() {
+    let v = |x, y, z| Vector::<3>::new(x, y, z);
+    let points = |scale: f64, step: f64| -> Vec<Vector<3>> {
+        (0..80).map(|i| Vector::from_fn(|k, _| scale * (step * f64::from(i) + 2.2 * k as f64).sin())).collect()
+    };
+    let cylinder = Cylinder::try_new(v(0.1, 0.2, 0.0), v(0.2, -0.3, 1.0), 0.8).unwrap();
+    faying::check::obstacle::<2, 3, f64>(&cylinder, &points(2.5, 1.3), 1e-12).unwrap();
+    let torus = Torus::try_new(v(0.1, -0.2, 0.3), v(0.3, 0.1, 1.0), 1.5, 0.4).unwrap();
+    faying::check::obstacle::<2, 3, f64>(&torus, &points(2.2, 1.7), 1e-12).unwrap();
+}
+
 /// A block with its top held, its bottom at `z`, above an obstacle that is moved by `by`.
 fn block_on(kind: Kind, obstacle: &Shape, z: f64, by: f64) -> (Solution<2, 3>, ContactId) {
     let net = shapes::brick([0.0, 0.0, z], [1.0, 1.0, z + 0.5]).unwrap();

@@ -7,7 +7,9 @@ mod tie;
 
 pub use body::{BodyModel, BodyRim, BodySide};
 pub use contact::{ContactModel, ContactPart, Opposing};
-pub use imposed::{Action, Condition, Foundation, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+pub use imposed::{
+    Action, Condition, Foundation, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value,
+};
 pub use tie::{Pairing, TieModel, TiePart};
 
 use super::corners::SharedCorner;

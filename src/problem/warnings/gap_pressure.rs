@@ -62,6 +62,9 @@ fn sees_waves<const S: usize, const N: usize>(part: &ContactPart<S, N>) -> bool 
 
 /// Largest pressure that flattens the waves of the facets of both sides [force/area], and their height [length]; zero against obstacles.
 fn wave<const S: usize, const N: usize>(model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> (f64, f64) {
+    if part.masters.is_empty() {
+        return (0.0, 0.0);
+    }
     let slope = |side: &BodySide<S, N>| {
         let (sag, space) = (sag(&model.patches, side), &*side.trace.space);
         let of = |e: usize| (sag.of_facet(e) / space.bounds(e).diagonal(), sag.of_facet(e));
@@ -73,5 +76,5 @@ fn wave<const S: usize, const N: usize>(model: &Model<S, N>, part: &ContactPart<
     };
     let soft = part.masters.iter().map(|m| 1.0 / stiffness(m)).fold(0.0, f64::max) + 1.0 / stiffness(&part.slave);
     let (slopes, heights) = part.masters.iter().map(|m| slope(m)).fold(slope(&part.slave), |a, b| (a.0 + b.0, a.1 + b.1));
-    if part.masters.is_empty() { (0.0, 0.0) } else { (PI * slopes / soft, heights) }
+    (PI * slopes / soft, heights)
 }

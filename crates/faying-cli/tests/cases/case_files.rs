@@ -554,7 +554,7 @@ fn e019_known_but_not_in_this_version() {
 /// nothing new.
 #[test]
 fn e019_every_key_of_the_contract_that_is_not_built() {
-    let (model, material, patch) = ("physics = \"elasticity\"", "name = \"steel\"", "name = \"lower\"");
+    let (model, material) = ("physics = \"elasticity\"", "name = \"steel\"");
     let (contact, steps, solver, top) = ("name = \"pad\"", "[steps]\ncount = 2", "[solver]", "schema = 1");
     let base = format!("{BASE}\n{steps}\n{solver}\n");
     let put = |after: &str, line: &str| base.replacen(after, &format!("{after}\n{line}"), 1);
