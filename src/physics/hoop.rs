@@ -72,7 +72,7 @@ pub fn stress_of<const C: usize, const N: usize, T: Real, M: Material<C, N, T> +
     }
 }
 
-/// The force per volume -div sigma of a field around the axis, for its second derivatives `hessian[i][(j, k)]` = d2u_i/dx_j dx_k; x[0] > 0.
+/// The force per volume -div sigma of a field around the axis, for its second derivatives `hessian[i][(j, k)]` = d2u_i/dx_j dx_k; `x[0] > 0`.
 ///
 /// Of a material without hoop strain, conduction, it is -(div sigma + sigma_r / r).
 pub fn revolved_source<const C: usize, const N: usize, T: Real, M: Material<C, N, T> + ?Sized>(

@@ -119,7 +119,7 @@ impl MultiplierKind {
         if there { wanted } else { Self::Lowered(0) }
     }
 
-    /// Whether [`build`] removes a function and a degree at constrained ends for this kind on `basis`, [`build_on_surface`] at constrained
+    /// Whether [`build`](super::build) removes a function and a degree at constrained ends for this kind on `basis`, [`build_on_surface`](super::build_on_surface) at constrained
     /// edges.
     pub fn lowers_ends<const S: usize, T: Real>(&self, basis: &dyn Basis<S, T>) -> bool {
         match self.resolved(basis) {
