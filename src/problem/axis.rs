@@ -71,6 +71,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 errors.push(ProblemError::new(kind, vec![body.id.into()], vec![body.name.clone()]));
             }
         }
+        let mut radial = Vec::new();
         let mut refuse = |of: Statement, side: &BodySide<S, N>| {
             let known = errors.iter().any(|e| e.kind == ErrorKind::OnAxis && e.of == [of]);
             if !known && is_on_axis(&self.bodies[side.patch], side) {
@@ -82,12 +83,19 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         // u_r is zero there
         let moved = |c: &&Condition<S, N>| c.component == 0 && self.components() > 1 && matches!(&c.value, Value::Data(_));
         self.said.conditions.iter().filter(moved).for_each(|c| refuse(c.of, &c.side));
+        for load in self.said.point_loads.iter().filter(|l| l.component == 0 && self.components() > 1) {
+            let least = nothing(&self.bodies[load.rim.patch]);
+            if load.force.as_constant() != Some(0.0) && load.rim.rim.x.iter().all(|x| x[0].abs() <= least) {
+                radial.push(ProblemError::new(ErrorKind::OnAxis, vec![load.of], vec![load.rim.label.clone()]));
+            }
+        }
         for tie in &self.ties {
             tie.own.pairs.iter().flat_map(|p| p.masters.iter().chain([&p.slave])).for_each(|side| refuse(tie.id().into(), side));
         }
         for contact in &self.contacts {
             contact.own.slaves.iter().for_each(|side| refuse(contact.id().into(), side));
         }
+        errors.append(&mut radial);
         for contact in &self.contacts {
             if matches!(contact.own.faced, Faced::Obstacle { .. }) && contact.own.forces.iter().any(|(component, _)| *component == 0) {
                 errors.push(ProblemError::new(ErrorKind::Radial, vec![contact.id().into()], vec![contact.name.clone()]));

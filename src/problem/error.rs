@@ -140,8 +140,8 @@ pub enum ErrorKind {
         /// The first such point.
         x: [f64; 3],
     },
-    /// A load, springs, a tie or a contact on a side that lies on the axis of bodies of revolution, which has no area, or a radial displacement
-    /// prescribed there.
+    /// A load, springs, a tie or a contact on a side that lies on the axis of bodies of revolution, which has no area; a radial displacement
+    /// prescribed there, or a radial force in a corner there.
     OnAxis,
     /// An obstacle that a force presses away from the axis of bodies of revolution.
     Radial,

@@ -185,3 +185,24 @@ fn a_source_in_a_corner_flows_out() {
         near(out[0], -3.0, 1e-10);
     }
 }
+
+/// Around an axis a force in a corner is that of the full circle; on the axis there is one along it alone.
+#[test]
+fn a_force_on_the_axis_of_revolution_acts_along_it() {
+    for backend in BACKENDS {
+        let text = |force: &str| {
+            model(2, "assumption = \"axisymmetric\"")
+                + &block("b", "0, 0", "1, 2", "4, 8", backend)
+                + "[[boundary]]\non = \"b.bottom\"\nfix = [\"y\"]\n"
+                + force
+        };
+        for corner in ["b.u0v1", "b.u1v1"] {
+            let result = run(&text(&on(&format!("\"{corner}\""), "force = { y = -3 }")));
+            near(result.reactions.get("b.bottom").unwrap()[1], 3.0, 1e-12);
+        }
+        run(&text(&on("\"b.u1v1\"", "force = { x = 2 }")));
+        let found = faults(&text(&on("\"b.u0v1\"", "force = { x = 2 }")));
+        let [fault] = &found.items[..] else { panic!("{found:?}") };
+        assert!(fault.code == "E015" && fault.line.is_some() && fault.message.contains("`b.u0v1` lies on the axis"), "{fault:?}");
+    }
+}
