@@ -3,7 +3,7 @@
 use super::cells::CellSpace;
 use super::pattern::Pattern;
 use super::sum_factorization::{Ask, Glue, Patches};
-use super::{Form, lower_order, places, plain};
+use super::{Form, lower_sums, places, plain};
 use crate::basis::Order;
 use crate::geometry::MapTable;
 use crate::linalg::{Csr, Real, Vector, lit, to_f64};
@@ -78,7 +78,7 @@ fn add_lower<const C: usize, const N: usize, T, S, Q>(
     Q: Quadrature<N, T> + ?Sized,
 {
     let Some(lower) = &form.lower else { return };
-    let add = |pattern: &Pattern, matrix| lower_order::add_matrix(pattern, space, quadrature, &**lower, form.symmetric, matrix);
+    let add = |pattern: &Pattern, matrix| lower_sums::add_matrix(pattern, space, quadrature, &**lower, form.symmetric, matrix);
     match pattern {
         Some(pattern) => add(pattern, matrix),
         None => add(&Pattern::new(space), matrix),

@@ -5,7 +5,7 @@ use super::fields::tangent_at;
 use super::scratch::Scratch;
 use super::sum_factorization::{Free, Patches};
 use super::vectors::add_elements;
-use super::{Form, Pattern, contract, lower_order, places};
+use super::{Form, Pattern, contract, lower_sums, places};
 use crate::linalg::{Matrix, Operator, Real, Vector};
 use crate::quadrature::{Quadrature, TensorRule};
 use crate::space::Space;
@@ -83,13 +83,13 @@ where
     /// Adds the products with the terms of lower order.
     fn add_lower(&self, x: &[T], y: &mut [T]) {
         if let Some(lower) = &self.form.lower {
-            lower_order::add_product(self.space, self.quadrature, &**lower, x, y);
+            lower_sums::add_product(self.space, self.quadrature, &**lower, x, y);
         }
     }
 
     fn add_lower_diagonal(&self, diagonal: &mut [T]) {
         if let Some(lower) = &self.form.lower {
-            lower_order::add_diagonal(self.space, self.quadrature, &**lower, diagonal);
+            lower_sums::add_diagonal(self.space, self.quadrature, &**lower, diagonal);
         }
     }
 

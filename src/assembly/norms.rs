@@ -4,7 +4,7 @@ use super::bulk::ask;
 use super::cells::Sums;
 use super::fields::{field_at, tangent_at};
 use super::sum_factorization::{Patches, QuadraturePoints};
-use super::{Form, contract, lower_order, scratch::Scratch};
+use super::{Form, contract, lower_sums, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
@@ -106,7 +106,7 @@ where
     };
     let whole = |mut total: [T; 6]| {
         if let Some(lower) = &form.lower {
-            let [error, exact] = lower_order::squares(space, quadrature, &**lower, u, &|e, xi, x| other(e, xi, x));
+            let [error, exact] = lower_sums::squares(space, quadrature, &**lower, u, &|e, xi, x| other(e, xi, x));
             total[2] += error;
             total[5] += exact;
         }

@@ -18,7 +18,7 @@ use super::Material;
 use crate::assembly::LowerOrder;
 use crate::linalg::{Matrix, Real, Vector};
 
-/// What a linear material adds around the axis, at a point.
+/// Terms that a linear material adds around the axis, at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hoop<const C: usize, const N: usize, T: Real = f64> {
     /// d sigma / d e_tt, and d s_tt / d grad u [force/area].
@@ -42,7 +42,7 @@ impl<const C: usize, const N: usize, T: Real> Hoop<C, N, T> {
         self.coupling.dot(gradient) + self.modulus * strain
     }
 
-    /// What the hoop strain adds to twice the energy per volume [energy/volume].
+    /// Part of the hoop strain in twice the energy per volume [energy/volume].
     pub(crate) fn energy(&self, gradient: &Matrix<C, N, T>, strain: T) -> T {
         (self.coupling.dot(gradient) + self.stress(gradient, strain)) * strain
     }

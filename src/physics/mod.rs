@@ -35,7 +35,7 @@ pub trait Material<const C: usize, const N: usize, T: Real = f64>: Debug + Send 
     fn respond(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> Response<C, N, T>;
     /// A modulus [force/area] at `x` that scales penalty and Nitsche terms.
     fn modulus(&self, x: &Vector<N, T>) -> T;
-    /// What the strain around the axis adds in bodies of revolution; `None`: the material stands for no such bodies, or, with one component,
+    /// Terms of the strain around the axis in bodies of revolution; `None`: the material stands for no such bodies, or, with one component,
     /// has no stress around the axis. The same kind of answer at all places with `x[0]` > 0.
     fn hoop(&self, _x: &Vector<N, T>) -> Option<Hoop<C, N, T>> {
         None
