@@ -22,6 +22,7 @@ pub struct Halved<'a, const D: usize, const N: usize> {
     rule: Rule<D>,
     least: usize,
     most: usize,
+    noise: f64,
 }
 
 /// Memory of [`Halved::element`], kept between its calls.
@@ -46,7 +47,13 @@ impl<'a, const D: usize, const N: usize> Halved<'a, D, N> {
     pub fn new(geometry: &'a dyn Geometry<D, N>, points: usize, least: usize) -> Self {
         let room = BOXES - (geometry.num_elements().max(1) as f64).log2();
         let most = ((room / D as f64).floor().max(1.0) as usize).min(MOST);
-        Self { geometry, rule: TensorRule::<D>::gauss([points; D]).rule(0).clone(), least: least.clamp(1, most), most }
+        Self { geometry, rule: TensorRule::<D>::gauss([points; D]).rule(0).clone(), least: least.clamp(1, most), most, noise: 0.0 }
+    }
+
+    /// Takes boxes whose halves change their sums by at most `noise` for settled: what is round-off in data is not followed.
+    #[must_use]
+    pub fn with_noise(self, noise: f64) -> Self {
+        Self { noise, ..self }
     }
 
     /// ∫ f over an element, f(x, dx/dxi) per measure.
@@ -82,7 +89,7 @@ impl<'a, const D: usize, const N: usize> Halved<'a, D, N> {
         }
         let size: f64 = halves.iter().flatten().map(|s| s.abs()).sum();
         let change: f64 = total.iter().zip(own).map(|(t, o)| (t - o).abs()).sum();
-        let settled = depth + 1 >= self.least && change <= SETTLED * size;
+        let settled = depth + 1 >= self.least && change <= self.noise.max(SETTLED * size);
         if settled || depth + 1 >= self.most || !size.is_finite() {
             return total;
         }

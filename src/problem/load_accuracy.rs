@@ -33,6 +33,8 @@ const LEAST: [usize; 3] = [4, 2, 1];
 const ROUNDING: f64 = 1e-12;
 /// Sources and tractions of an exact solution below this share of the terms that make them up are round-off.
 const CANCELLED: f64 = 1e-9;
+/// Sums over elements are not followed below this share of what is round-off.
+const NOISE: f64 = 1e-4;
 /// Most times at which data that change with the time are looked at.
 const TIMES: usize = 16;
 /// Elements handed to one task at a time.
@@ -283,17 +285,18 @@ impl<const S: usize, const N: usize> Model<S, N> {
             force(x, &mut value[..self.components]);
             levers.density(x, &value)
         };
-        let halved = Halved::new(space, most_points(space), LEAST[N - 1]);
-        let mut own = over_elements(space.num_elements(), |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &density));
-        let around = |x: &Vector<N>, j: &Matrix<N, N>| density(x, j).map(|v| v * self.around(x));
-        let finer = over_elements(space.num_elements(), |e, scratch: &mut HalvedScratch<N, N>| halved.element(e, scratch, &around));
-        if let Some(exact) = &patch.exact {
+        let count = space.num_elements();
+        let cancelled = patch.exact.as_ref().map_or(0.0, |exact| {
             let physics = patch.physics_at(t);
             let terms = |x: &Vector<N>, _: &Matrix<N, N>| [physics.modulus(x) * bend_size(&**exact, self.components, x, t)];
-            let [size] =
-                over_elements(space.num_elements(), |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &terms));
-            own[6] = own[6].max(CANCELLED * size);
-        }
+            let [size] = over_elements(count, |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &terms));
+            CANCELLED * size
+        });
+        let halved = Halved::new(space, most_points(space), LEAST[N - 1]).with_noise(NOISE * cancelled / count.max(1) as f64);
+        let mut own = over_elements(count, |e, table: &mut MapTable<N, N>| by_rule(space, &patch.rules, e, table, &density));
+        let around = |x: &Vector<N>, j: &Matrix<N, N>| density(x, j).map(|v| v * self.around(x));
+        let finer = over_elements(count, |e, scratch: &mut HalvedScratch<N, N>| halved.element(e, scratch, &around));
+        own[6] = own[6].max(cancelled);
         (levers, own, finer)
     }
 
