@@ -5,7 +5,7 @@ use crate::run::{Options, Record, whole};
 use faying::basis::Cell;
 use faying::linalg::{Matrix, Vector};
 use faying::physics::{Conductor, Hooke, Material};
-use faying::space::{CellBlock, Mapping, Mesh, MeshCells};
+use faying::space::{CellBlock, Dimension, Mapping, Mesh, MeshCells, Trace};
 use std::f64::consts::PI;
 
 /// Largest n at which W4c is solved.
@@ -112,7 +112,10 @@ fn solved<const C: usize, const S: usize, const N: usize>(
     cell: Cell,
     material: &dyn Material<C, N>,
     options: &Options,
-) -> Record {
+) -> Record
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     let body = |n| {
         let mesh = match name.split_once('-').map(|n| n.1) {
             Some("random") => shuffled(cells(cell, n)),

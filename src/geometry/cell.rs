@@ -86,7 +86,7 @@ pub fn contains<const D: usize, T: Real>(cell: Cell, xi: &Vector<D, T>, toleranc
         }
 }
 
-/// How far `xi` is outside of the cell, in local coordinates; zero inside.
+/// Distance of `xi` from the cell in local coordinates; zero inside.
 pub fn outside<const D: usize, T: Real>(cell: Cell, xi: &Vector<D, T>) -> T {
     let beyond = match cell {
         Cell::Tensor => xi.iter().fold(T::zero(), |m, &v| m.max(v - T::one())),

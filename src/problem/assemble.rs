@@ -187,7 +187,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     fn explained_ties(&self) -> (Vec<Tie<S, N>>, Vec<FacetsApart>) {
         let (mut ties, mut found) = (self.ties.clone(), Vec::new());
         let mut none = |_: usize, name: &str| Err(SideError::Unknown { side: name.to_owned(), known: String::new() });
-        let mut search = Search::new(&self.bodies, &mut none);
+        let mut search = Search::new(self.compiled, &self.bodies, &mut none);
         for tie in ties.iter_mut().filter(|t| t.own.tolerance.is_none()) {
             for pair in tie.own.pairs.iter_mut().filter(|p| p.is_asked) {
                 pair.explained = search.tie(pair.slave.clone(), pair.masters.clone(), None).explained;

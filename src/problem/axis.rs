@@ -120,7 +120,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         if self.is_revolved() { segments.clone().scaled(&*slave.trace.space, &|x| 1.0 / circumference(x)) } else { segments.clone() }
     }
 
-    /// What a resultant means in space: bodies of revolution have no moments.
+    /// A resultant in space: bodies of revolution have no moments.
     pub(super) fn in_space(&self, resultant: Resultant) -> Resultant {
         if self.is_revolved() { Resultant { moment: [0.0; 3], ..resultant } } else { resultant }
     }

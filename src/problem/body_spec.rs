@@ -5,7 +5,7 @@ use super::changing::Changing;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{BodyId, Statement};
-use super::model::{BodyModel, Foundation};
+use super::model::Foundation;
 use super::physics::{Physics, PhysicsError};
 use super::regions::SideNames;
 use crate::linalg::Vector;
@@ -126,7 +126,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
         let first = self.bodies.last().map_or(0, |b| b.range().end);
         let id = self.body_id(self.bodies.len());
-        let mut model = BodyModel::new(id, name, body, physics, first, extra_points);
+        let mut model = self.compiled.body((id, name), body, physics, first, extra_points);
         if let Some(rules) = rules {
             model.rules = rules;
         }

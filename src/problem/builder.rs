@@ -1,5 +1,6 @@
 //! Statement of a problem: bodies, supports, loads, ties, contacts.
 
+use super::compiled::Compiled;
 use super::contents::BodyView;
 use super::coupled::{Contact, Tie};
 use super::data::Exact;
@@ -8,9 +9,11 @@ use super::facets_apart::FacetsApart;
 use super::fixed::Eliminated;
 use super::handles::{BodyId, Sides, Statement};
 use super::identity::Identity;
+use super::interface_side::InterfaceSide;
 use super::model::{BodyModel, BodySide, Model, RigidSides};
 use super::regions::Regions;
 use super::said::{Gluing, Said, Shared};
+use crate::space::Trace;
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -25,6 +28,7 @@ use std::sync::Arc;
 /// to it alone.
 #[derive(Debug)]
 pub struct Problem<const S: usize, const N: usize> {
+    pub(super) compiled: &'static dyn Compiled<S, N>,
     pub(super) identity: Identity,
     pub(super) bodies: Vec<BodyModel<S, N>>,
     pub(super) regions: Regions<S, N>,
@@ -53,6 +57,7 @@ impl<const S: usize, const N: usize> Clone for Problem<S, N> {
     fn clone(&self) -> Self {
         let counts = [self.bodies.len(), self.regions.len(), self.ties.len(), self.contacts.len(), self.statements];
         Self {
+            compiled: self.compiled,
             identity: self.identity.heir(counts),
             bodies: self.bodies.clone(),
             regions: self.regions.clone(),
@@ -74,16 +79,23 @@ impl<const S: usize, const N: usize> Clone for Problem<S, N> {
     }
 }
 
-impl<const S: usize, const N: usize> Default for Problem<S, N> {
+impl<const S: usize, const N: usize> Default for Problem<S, N>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     fn default() -> Self {
         Self::new()
     }
 }
 
-impl<const S: usize, const N: usize> Problem<S, N> {
+impl<const S: usize, const N: usize> Problem<S, N>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     /// A problem without bodies.
     pub fn new() -> Self {
         Self {
+            compiled: Trace::<S, N>::compiled(),
             identity: Identity::new(),
             bodies: Vec::new(),
             regions: Regions::default(),
@@ -121,7 +133,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         assert_eq!(N, 2, "bodies of revolution are given by their half section in the plane");
         Self { is_revolved: true, ..Self::new() }
     }
+}
 
+impl<const S: usize, const N: usize> Problem<S, N> {
     /// Number of components of the unknown, 0 before the first body.
     pub fn components(&self) -> usize {
         self.bodies.first().map_or(0, |b| b.field.components)
@@ -179,7 +193,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// # Errors
     /// All that is wrong.
     pub fn check(&self) -> Result<(), ProblemErrors> {
-        self.model(0).map(|_| ())
+        self.compiled.check(self)
     }
 
     /// Supports that prescribe components of a side, with the component.
@@ -202,7 +216,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// Sides of the bodies of `slave` and of `masters`, by body and name, that face each other best; `None` if they are no closer than half
     /// the distance of the named ones, which may be right but too far apart, and while bodies, supports or loads are wrong.
     pub fn meant_sides(&self, slave: &BodySide<S, N>, masters: &[Arc<BodySide<S, N>>]) -> Option<[(usize, String); 2]> {
-        self.model(0).ok()?.meant_sides(slave, masters)
+        self.compiled.meant_sides(self, slave, masters)
     }
 
     /// The model without ties and contacts, with room for `pressed` unknowns of obstacles.

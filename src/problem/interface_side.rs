@@ -2,6 +2,7 @@
 
 use super::assembled::System;
 use super::builder::Problem;
+use super::compiled::{Compiled, Library};
 use super::contact_zone::ContactZone;
 use super::coupled::{Integration, Multiplier, Rule};
 use super::error::ProblemErrors;
@@ -12,10 +13,12 @@ use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, M
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind};
 use crate::coupling::{CouplingError, Segments};
 use crate::geometry::Geometry;
-use crate::space::Trace;
+use crate::space::{Dimension, Trace};
 
 /// Rules and multipliers of slave sides, and what is compiled once per dimension.
-pub trait InterfaceSide<const S: usize, const N: usize>: Sized {
+pub trait InterfaceSide<const S: usize, const N: usize>: Dimension<S, N> {
+    /// The longest functions of problems, which must not be compiled where they are called.
+    fn compiled() -> &'static dyn Compiled<S, N>;
     /// The rule on segments of both sides, with that many points per direction of a piece.
     fn merged(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<S, N>>;
     /// The rule on the elements of the slave side.
@@ -79,6 +82,10 @@ where
 }
 
 impl InterfaceSide<1, 2> for Trace<1, 2> {
+    #[inline(never)]
+    fn compiled() -> &'static dyn Compiled<1, 2> {
+        &Library
+    }
     fn merged(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<1, 2>> {
         Box::new(MergedCurve { points, partners })
     }
@@ -122,6 +129,10 @@ impl InterfaceQuadrature<2, 3> for NoRule {
 
 /// The library has the merged rule of surfaces and multipliers; slave rules and sums over the master come from outside.
 impl InterfaceSide<2, 3> for Trace<2, 3> {
+    #[inline(never)]
+    fn compiled() -> &'static dyn Compiled<2, 3> {
+        &Library
+    }
     fn merged(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
         Box::new(MergedSurface { points, partners })
     }

@@ -15,6 +15,7 @@ mod builder;
 mod changing;
 mod climb;
 mod closed_points;
+mod compiled;
 mod condition_checks;
 mod contact_along;
 mod contact_field;

@@ -5,11 +5,10 @@ use super::error::{ErrorKind, ProblemError};
 use super::handles::{BodyId, Kind, Region, RegionId, SideOf};
 use super::model::{BodyRim, BodySide};
 use super::regions::Piece;
-use crate::assembly::{Halved, HalvedScratch, Rim};
+use crate::assembly::{Halved, HalvedScratch};
 use crate::basis::{Cell, Order};
 use crate::geometry::{Embedding, MapTable, cell, circumference};
 use crate::linalg::{Matrix, Vector};
-use crate::space::Trace;
 use std::sync::Arc;
 
 impl<const S: usize, const N: usize> Problem<S, N> {
@@ -51,7 +50,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         };
         let body = &self.bodies[whole.patch];
         let refused = |error| ProblemError::named(ErrorKind::Side(error), &[&body.name]);
-        let trace = Trace::from_facets(body.body.space(), facets, kind).map_err(refused)?;
+        let trace = self.compiled.side(body.body.space(), facets, kind).map_err(refused)?;
         let label = format!("{} where {what}", whole.label);
         let part = BodySide::of_trace(body, whole.patch, side.name, label, trace);
         Ok(Some(self.new_region(vec![Piece::Side(Arc::new(part))])))
@@ -74,7 +73,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             return Ok(self.region_id(number));
         }
         let others: Vec<_> = met[1..].iter().map(|s| &s.trace).collect();
-        let rim = Rim::shared(&met[0].trace, &others, self.bodies[patch].extra_points);
+        let rim = self.compiled.rim(&met[0].trace, &others, self.bodies[patch].extra_points);
         if rim.x.is_empty() {
             return Err(none());
         }

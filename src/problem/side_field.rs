@@ -96,9 +96,12 @@ impl Solution<1, 2> {
     /// # Errors
     /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) as for [`multiplier`](Self::multiplier).
     pub fn along(&self, of: impl Into<InterfaceId>, side: usize) -> Result<Option<SideField>, ProblemError> {
-        let (of, state) = (of.into(), &self.inner);
+        self.along_curve(of.into(), side)
+    }
+
+    fn along_curve(&self, of: InterfaceId, side: usize) -> Result<Option<SideField>, ProblemError> {
         self.multiplier(of)?;
-        let model = state.model();
+        let (state, model) = (&self.inner, self.inner.model());
         Ok(match of {
             InterfaceId::Tie(tie) => (side < model.ties[tie.number].parts.len()).then(|| tie_along(state, [tie.number, side])),
             InterfaceId::Contact(contact) => model.contacts[contact.number].parts.get(side).map(|part| {
@@ -121,8 +124,12 @@ impl Solution<2, 3> {
     /// # Errors
     /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) as for [`multiplier`](Self::multiplier).
     pub fn along(&self, of: impl Into<InterfaceId>, side: usize) -> Result<Option<SideField<2, 3>>, ProblemError> {
-        let (of, state) = (of.into(), &self.inner);
+        self.on_surface(of.into(), side)
+    }
+
+    fn on_surface(&self, of: InterfaceId, side: usize) -> Result<Option<SideField<2, 3>>, ProblemError> {
         self.multiplier(of)?;
+        let state = &self.inner;
         let InterfaceId::Contact(contact) = of else { return Ok(None) };
         let Some(part) = state.model().contacts[contact.number].parts.get(side) else { return Ok(None) };
         let Opposing::Rigid(obstacle, _) = &part.against else { return Ok(None) };

@@ -213,29 +213,8 @@ pub fn held_by<const S: usize, const N: usize>(
             fix(body, unit(f.component), x);
         }
     }
-    // equations between components of one function: inclined sliding
-    for e in model.equations.iter().map(|e| &e.equation) {
-        let Some(&(first, _)) = e.terms.first() else { continue };
-        let Some(patch) = model.patches.iter().position(|p| p.range().contains(&first)) else { continue };
-        let field = model.patches[patch].field;
-        // unknowns of other patches may come before those of this one
-        let function = |unknown: usize| unknown.checked_sub(field.first).map(|k| k / field.components);
-        if e.terms.iter().any(|t| function(t.0) != function(first)) {
-            continue;
-        }
-        let mut direction = Vector::<N>::zeros();
-        for &(i, value) in &e.terms {
-            direction[(i - field.first) % field.components] = value;
-        }
-        let function = (first - field.first) / field.components;
-        let has = |s: &BodySide<S, N>| s.patch == patch && s.trace.dofs.contains(&function);
-        // in a corner of two such sides each has its own direction
-        let along = |d: &Vector<N>| (direction - d * direction.dot(d) / d.norm_squared()).norm() <= PARALLEL * direction.norm();
-        let own = model.held.iter().find(|h| has(&h.side) && along(&h.direction)).map(|h| &h.side);
-        let side = own.or_else(|| model.supports.iter().find(|s| has(s)));
-        for (body, x) in side.map(|s| of(s)).unwrap_or_default() {
-            fix(body, direction, x);
-        }
+    for (body, direction, x) in slides(model, &of) {
+        fix(body, direction, x);
     }
     // sides that move as one along an axis: all their points move as the first
     for group in &model.rigid_sides {
@@ -261,6 +240,36 @@ pub fn held_by<const S: usize, const N: usize>(
         });
     }
     (modes, forms)
+}
+
+/// Directions that equations between components of one function hold, along inclined sides: body, direction and point.
+fn slides<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    points_of: &dyn Fn(&BodySide<S, N>) -> Vec<(usize, Vector<N>)>,
+) -> Vec<(usize, Vector<N>, Vector<N>)> {
+    let mut held = Vec::new();
+    for e in model.equations.iter().map(|e| &e.equation) {
+        let Some(&(first, _)) = e.terms.first() else { continue };
+        let Some(patch) = model.patches.iter().position(|p| p.range().contains(&first)) else { continue };
+        let field = model.patches[patch].field;
+        // unknowns of other patches may come before those of this one
+        let function = |unknown: usize| unknown.checked_sub(field.first).map(|k| k / field.components);
+        if e.terms.iter().any(|t| function(t.0) != function(first)) {
+            continue;
+        }
+        let mut direction = Vector::<N>::zeros();
+        for &(i, value) in &e.terms {
+            direction[(i - field.first) % field.components] = value;
+        }
+        let function = (first - field.first) / field.components;
+        let has = |s: &BodySide<S, N>| s.patch == patch && s.trace.dofs.contains(&function);
+        // in a corner of two such sides each has its own direction
+        let along = |d: &Vector<N>| (direction - d * direction.dot(d) / d.norm_squared()).norm() <= PARALLEL * direction.norm();
+        let own = model.held.iter().find(|h| has(&h.side) && along(&h.direction)).map(|h| &h.side);
+        let side = own.or_else(|| model.supports.iter().find(|s| has(s)));
+        held.extend(side.map(|s| points_of(s)).unwrap_or_default().into_iter().map(|(body, x)| (body, direction, x)));
+    }
+    held
 }
 
 /// Rows that hold the obstacle of a contact, body `body`, in all but the components in which forces press it.

@@ -67,9 +67,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 
     /// Lets `ask` search among the bodies for sides that touch; the search begins with no sides joined, and states nothing.
     pub fn look_for_touching<R>(&mut self, ask: impl FnOnce(&mut Search<'_, S, N>) -> R) -> R {
-        let Self { bodies, regions, .. } = self;
+        let Self { compiled, bodies, regions, .. } = self;
         let mut source = |body: usize, name: &str| regions.side(bodies, body, name);
-        ask(&mut Search::new(bodies, &mut source))
+        ask(&mut Search::new(*compiled, bodies, &mut source))
     }
 
     /// The slave sides of a tie with their masters, by labels.
@@ -101,9 +101,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 
     /// Asks a search that knows all sides which are joined or named as pairs; what it finds is kept for warnings.
     fn search<R>(&mut self, ask: impl FnOnce(&mut Search<'_, S, N>) -> R) -> R {
-        let Self { bodies, regions, ties, contacts, gluings, findings, .. } = self;
+        let Self { compiled, bodies, regions, ties, contacts, gluings, findings, .. } = self;
         let mut source = |body: usize, name: &str| regions.side(bodies, body, name);
-        let mut search = Search::new(bodies, &mut source);
+        let mut search = Search::new(*compiled, bodies, &mut source);
         let couple = |slave: &_, masters: &[_]| Couple {
             slave: std::sync::Arc::clone(slave),
             masters: masters.to_vec(),

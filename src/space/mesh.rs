@@ -2,7 +2,7 @@
 
 use super::grid::ElementGrid;
 use super::mesh_trace::FacetSides;
-use super::{Body, FunctionSpace, Quality, SideError, Space, Trace};
+use super::{Body, Dimension, FunctionSpace, Mapping, MeshCells, MeshError, PatchSpec, Quality, SideError, Space, SpecError, Trace};
 use crate::basis::{Basis, Cell, LagrangeLine, TensorProduct};
 use crate::geometry::{Embedded, Embedding, Geometry};
 use crate::linalg::Vector;
@@ -53,6 +53,42 @@ pub(super) struct MeshPoints<const N: usize> {
     pub function: Vec<usize>,
 }
 
+impl<const S: usize, const N: usize> Mesh<S, N>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
+    /// Builds the mesh of `spec`, whose continuity and basis are ignored.
+    ///
+    /// Simplex cells cut every quadrilateral by the diagonal from its (u0, v0) corner to its (u1, v1) corner, and every
+    /// hexahedron into six tetrahedra around the diagonal from (u0, v0, w0) to (u1, v1, w1).
+    /// Isoparametric nodes lie on the exact map; at a collapsed edge the simplices without volume are dropped, and the
+    /// others take the whole cell. On the exact map both triangles stay, with the functions on the edge merged;
+    /// tetrahedra are refused there.
+    /// # Errors
+    /// [`SpecError`] for degrees and breakpoints out of range, simplex cells of mixed degree, tetrahedra on the exact map of
+    /// a geometry with collapsed edges, and inverted elements.
+    pub fn from_patch(spec: &PatchSpec<N>) -> Result<Self, SpecError> {
+        Trace::<S, N>::mesh_of_patch(spec)
+    }
+
+    /// Builds the body of an unstructured mesh, with a space of `degree` on every cell: 1 to 8, with simplices 1 to 4.
+    ///
+    /// [`Mapping::Exact`] keeps the cells' own map. [`Mapping::Isoparametric`] interpolates it in `degree` at the nodes of the space: the
+    /// same map where `degree` is not below the geometry order, else one of lower degree with its nodes on the cells.
+    ///
+    /// Elements are the cells in the order of the blocks; left-handed ones are mirrored by exchanging their first two axes. Functions are
+    /// numbered along a space-filling curve, whatever the order of cells and points is: [`Mesh::function_at`] finds them. Sides
+    /// are the tags whose facets all lie on the boundary, and [`Mesh::untagged`]; a tag inside the mesh is no side, and its
+    /// trace is [`SideError::Interior`](super::SideError::Interior). Tags of one name are one side. In the plane the facets of a side
+    /// follow one another with the body on their left. n log n in the number of cells.
+    ///
+    /// # Errors
+    /// [`MeshError`]
+    pub fn from_cells(cells: &MeshCells<N>, degree: usize, mapping: Mapping) -> Result<Self, MeshError> {
+        Trace::<S, N>::mesh_of_cells(cells, degree, mapping)
+    }
+}
+
 impl<const S: usize, const N: usize> Mesh<S, N> {
     /// Elements per direction of the patch; a simplex mesh cuts each in two or six. `None` for a mesh of cells.
     pub fn elements(&self) -> Option<[usize; N]> {
@@ -67,6 +103,21 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
     /// Least Jacobian, orientation, degenerate points.
     pub fn quality(&self) -> &Quality<N> {
         &self.quality
+    }
+
+    /// A side by its name.
+    pub(super) fn side(&self, side: &str) -> Result<Trace<S, N>, SideError> {
+        let name = match &self.grid {
+            Some(grid) => grid.side(side)?.name(),
+            None => side.to_string(),
+        };
+        let side = match &self.sides {
+            FacetTables::Facets(sides) => return sides.trace(&self.space, &name),
+            FacetTables::Lines(sides) => &sides[&name],
+        };
+        let (basis, dofs): (Box<dyn Basis<S>>, _) = super::grid::merge::<S>(TensorProduct::new(side.lines.clone()), &side.ids);
+        let geometry = Embedded::new(self.geometry.clone(), side.facets.clone(), Cell::Tensor);
+        Ok(Trace::on_boundary(&self.space, Arc::new(FunctionSpace { basis, geometry }), dofs, side.facets.clone()))
     }
 
     /// Name of the side of a mesh of cells that holds the boundary facets without a tag: `untagged`, with underscores appended
@@ -93,7 +144,10 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
     }
 }
 
-impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N> {
+impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     fn space(&self) -> &Arc<dyn Space<N, N>> {
         &self.space
     }
@@ -114,16 +168,6 @@ impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N> {
     }
 
     fn trace(&self, side: &str) -> Result<Trace<S, N>, SideError> {
-        let name = match &self.grid {
-            Some(grid) => grid.side(side)?.name(),
-            None => side.to_string(),
-        };
-        let side = match &self.sides {
-            FacetTables::Facets(sides) => return sides.trace(&self.space, &name),
-            FacetTables::Lines(sides) => &sides[&name],
-        };
-        let (basis, dofs): (Box<dyn Basis<S>>, _) = super::grid::merge::<S>(TensorProduct::new(side.lines.clone()), &side.ids);
-        let geometry = Embedded::new(self.geometry.clone(), side.facets.clone(), Cell::Tensor);
-        Ok(Trace::on_boundary(&self.space, Arc::new(FunctionSpace { basis, geometry }), dofs, side.facets.clone()))
+        Trace::side_of_mesh(self, side)
     }
 }

@@ -1,6 +1,7 @@
 //! Errors of meshes from which no body can be built.
 
 use super::InvertedElement;
+use crate::linalg::Vector;
 
 /// Error when no body can be built from a mesh. Cells and points are counted from zero, cells through all blocks.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -133,4 +134,9 @@ impl MeshError {
         }
         self
     }
+}
+
+/// Coordinates of a point for errors, padded with zeros to three.
+pub(super) fn place<const N: usize>(x: &Vector<N>) -> [f64; 3] {
+    std::array::from_fn(|k| if k < N { x[k] } else { 0.0 })
 }

@@ -1,6 +1,6 @@
 //! Facets of a mesh of cells: boundary, check for folds, named sides.
 
-use super::mesh_from_cells::place;
+use super::mesh_error::place;
 use super::{FacetTag, MeshError};
 use crate::basis::{Cell, Topology, key_of};
 use crate::linalg::Vector;

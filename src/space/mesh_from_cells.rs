@@ -2,6 +2,7 @@
 
 use super::curve;
 use super::mesh::{FacetTables, MeshPoints};
+use super::mesh_error::place;
 use super::mesh_facets::Facets;
 use super::mesh_trace::{FacetMap, FacetSides};
 use super::{FunctionSpace, InvertedElement, MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSOR, Mapping, Mesh, MeshCells, MeshError, Space, quality};
@@ -19,20 +20,8 @@ const SAME_NODE: f64 = 1e-8;
 const SAME_PLACE: f64 = 1e-12;
 
 impl<const S: usize, const N: usize> Mesh<S, N> {
-    /// Builds the body of an unstructured mesh, with a space of `degree` on every cell: 1 to 8, with simplices 1 to 4.
-    ///
-    /// [`Mapping::Exact`] keeps the cells' own map. [`Mapping::Isoparametric`] interpolates it in `degree` at the nodes of the space: the
-    /// same map where `degree` is not below the geometry order, else one of lower degree with its nodes on the cells.
-    ///
-    /// Elements are the cells in the order of the blocks; left-handed ones are mirrored by exchanging their first two axes. Functions are
-    /// numbered along a space-filling curve, whatever the order of cells and points is: [`Mesh::function_at`] finds them. Sides
-    /// are the tags whose facets all lie on the boundary, and [`Mesh::untagged`]; a tag inside the mesh is no side, and its
-    /// trace is [`SideError::Interior`](super::SideError::Interior). Tags of one name are one side. In the plane the facets of a side
-    /// follow one another with the body on their left. n log n in the number of cells.
-    ///
-    /// # Errors
-    /// [`MeshError`]
-    pub fn from_cells(cells: &MeshCells<N>, degree: usize, mapping: Mapping) -> Result<Self, MeshError> {
+    /// [`from_cells`](Self::from_cells), compiled where it is called.
+    pub(super) fn made_from_cells(cells: &MeshCells<N>, degree: usize, mapping: Mapping) -> Result<Self, MeshError> {
         const { assert!(S + 1 == N && (N == 2 || N == 3), "a mesh in the plane or in space has sides of one dimension less") };
         let raw = RawCells::new(cells, degree)?;
         let order = match mapping {
@@ -290,9 +279,4 @@ impl<const N: usize> NodesOfKinds<N> {
         }
         Ok(points.into_iter().map(|x| x.expect("every function has a cell")).collect())
     }
-}
-
-/// Coordinates of a point for errors, padded with zeros to three.
-pub(super) fn place<const N: usize>(x: &Vector<N>) -> [f64; 3] {
-    std::array::from_fn(|k| if k < N { x[k] } else { 0.0 })
 }

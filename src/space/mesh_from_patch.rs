@@ -17,17 +17,8 @@ use std::sync::Arc;
 const ON_EDGE: f64 = 1e-12;
 
 impl<const S: usize, const N: usize> Mesh<S, N> {
-    /// Builds the mesh of `spec`, whose continuity and basis are ignored.
-    ///
-    /// Simplex cells cut every quadrilateral by the diagonal from its (u0, v0) corner to its (u1, v1) corner, and every
-    /// hexahedron into six tetrahedra around the diagonal from (u0, v0, w0) to (u1, v1, w1).
-    /// Isoparametric nodes lie on the exact map; at a collapsed edge the simplices without volume are dropped, and the
-    /// others take the whole cell. On the exact map both triangles stay, with the functions on the edge merged;
-    /// tetrahedra are refused there.
-    /// # Errors
-    /// [`SpecError`] for degrees and breakpoints out of range, simplex cells of mixed degree, tetrahedra on the exact map of
-    /// a geometry with collapsed edges, and inverted elements.
-    pub fn from_patch(spec: &PatchSpec<N>) -> Result<Self, SpecError> {
+    /// [`from_patch`](Self::from_patch), compiled where it is called.
+    pub(super) fn made_from_patch(spec: &PatchSpec<N>) -> Result<Self, SpecError> {
         const { assert!(S + 1 == N, "a mesh has sides of one dimension less") };
         match spec.cells {
             Cell::Tensor => tensor(spec),

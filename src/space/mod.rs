@@ -6,6 +6,7 @@ mod connected;
 mod curve;
 mod deformed;
 mod diameter;
+mod dimension;
 mod divisions;
 mod field;
 mod glue;
@@ -38,6 +39,7 @@ pub use clearance::{Clearance, Sight, Skin, SkinPoint, clearance, raised, skin_p
 pub use connected::{Connected, Unshared, unshared_points};
 pub use deformed::Deformed;
 pub use diameter::diameter;
+pub use dimension::Dimension;
 pub use divisions::{DivisionError, Divisions, Grading, divided};
 pub use field::{FieldAt, Located, Locator, OutsideBody, field_at, locate};
 pub use glue::{GlueError, GlueRow, GluedFacet, Near, glue, glue_facets};

@@ -1,7 +1,7 @@
 //! Spline patches: isogeometric analysis.
 
 use super::grid::{ElementGrid, Merged, SideOf, merge, on_side};
-use super::{BasisKind, Body, FunctionSpace, PatchSpec, Quality, SideError, Space, SpecError, Trace, quality};
+use super::{BasisKind, Body, Dimension, FunctionSpace, PatchSpec, Quality, SideError, Space, SpecError, Trace, quality};
 use crate::basis::{BSpline, Basis, Rational, TensorProduct};
 use crate::geometry::Embedded;
 use crate::linalg::to_f64;
@@ -21,7 +21,10 @@ pub struct Patch<const S: usize, const N: usize> {
     quality: Quality<N>,
 }
 
-impl<const S: usize, const N: usize> Patch<S, N> {
+impl<const S: usize, const N: usize> Patch<S, N>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     /// Builds the patch of `spec`, whose cells and mapping are ignored.
     ///
     /// Knots are the element ends, with continuity min(degree - 1, `continuity`), at the net's own knots at most what the
@@ -30,6 +33,13 @@ impl<const S: usize, const N: usize> Patch<S, N> {
     /// [`SpecError`] for degrees, continuity and breakpoints out of range, NURBS whose degree cannot carry the weights,
     /// and inverted elements.
     pub fn try_new(spec: &PatchSpec<N>) -> Result<Self, SpecError> {
+        Trace::<S, N>::patch(spec)
+    }
+}
+
+impl<const S: usize, const N: usize> Patch<S, N> {
+    /// [`try_new`](Self::try_new), compiled where it is called.
+    pub(super) fn made(spec: &PatchSpec<N>) -> Result<Self, SpecError> {
         const { assert!(S + 1 == N, "a patch has sides of one dimension less") };
         spec.check_degree(super::MAX_DEGREE_SPLINE, "splines")?;
         if let Some(continuity) = spec.continuity
@@ -82,13 +92,33 @@ impl<const S: usize, const N: usize> Patch<S, N> {
         self.grid.collapsed_sides()
     }
 
+    /// A side by its name.
+    pub(super) fn side(&self, side: &str) -> Result<Trace<S, N>, SideError> {
+        let side = self.grid.side(side)?;
+        let product = TensorProduct::new(side_axes::<S, N, _>(&self.axes, side));
+        let counts = self.axes.each_ref().map(|a| a.num_functions());
+        let on = on_side(&counts, side);
+        let ids: Vec<usize> = on.iter().map(|&i| self.merged.id[i]).collect();
+        let (basis, dofs) = match &self.weights {
+            // at an open end the other functions vanish, so the weight function there is made of these weights
+            Some(w) => merge::<S>(Rational::new::<S>(product, on.iter().map(|&i| w[i]).collect()), &ids),
+            None => merge::<S>(product, &ids),
+        };
+        let facets = self.grid.facets::<S>(side);
+        let geometry = Embedded::new(self.grid.exact.clone(), facets.clone(), crate::basis::Cell::Tensor);
+        Ok(Trace::on_boundary(&self.space, Arc::new(FunctionSpace { basis, geometry }), dofs, facets))
+    }
+
     /// Least Jacobian, orientation, degenerate points.
     pub fn quality(&self) -> &Quality<N> {
         &self.quality
     }
 }
 
-impl<const S: usize, const N: usize> Body<S, N> for Patch<S, N> {
+impl<const S: usize, const N: usize> Body<S, N> for Patch<S, N>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     fn space(&self) -> &Arc<dyn Space<N, N>> {
         &self.space
     }
@@ -106,19 +136,7 @@ impl<const S: usize, const N: usize> Body<S, N> for Patch<S, N> {
     }
 
     fn trace(&self, side: &str) -> Result<Trace<S, N>, SideError> {
-        let side = self.grid.side(side)?;
-        let product = TensorProduct::new(side_axes::<S, N, _>(&self.axes, side));
-        let counts = self.axes.each_ref().map(|a| a.num_functions());
-        let on = on_side(&counts, side);
-        let ids: Vec<usize> = on.iter().map(|&i| self.merged.id[i]).collect();
-        let (basis, dofs) = match &self.weights {
-            // at an open end the other functions vanish, so the weight function there is made of these weights
-            Some(w) => merge::<S>(Rational::new::<S>(product, on.iter().map(|&i| w[i]).collect()), &ids),
-            None => merge::<S>(product, &ids),
-        };
-        let facets = self.grid.facets::<S>(side);
-        let geometry = Embedded::new(self.grid.exact.clone(), facets.clone(), crate::basis::Cell::Tensor);
-        Ok(Trace::on_boundary(&self.space, Arc::new(FunctionSpace { basis, geometry }), dofs, facets))
+        Trace::side_of_patch(self, side)
     }
 }
 

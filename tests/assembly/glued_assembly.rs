@@ -9,7 +9,7 @@ use faying::check;
 use faying::geometry::{ControlNet, shapes};
 use faying::linalg::{Csr, Matrix, Operator, Vector};
 use faying::physics::{Hooke, form};
-use faying::space::{BasisKind, Body, FieldAt, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam, Space};
+use faying::space::{BasisKind, Body, Dimension, FieldAt, Mesh, MultiPatch, Near, Patch, PatchSpec, Seam, Space, Trace};
 use plain::{Plain, apart, largest};
 use states::{states_are_those_of_each_element, stresses_are_those_of_each_element};
 use std::sync::Arc;
@@ -153,12 +153,10 @@ enum Kind {
     Lagrange,
 }
 
-fn body<const S: usize, const N: usize>(
-    net: ControlNet<N, N>,
-    degree: [usize; N],
-    elements: [usize; N],
-    kind: Kind,
-) -> Arc<dyn Body<S, N>> {
+fn body<const S: usize, const N: usize>(net: ControlNet<N, N>, degree: [usize; N], elements: [usize; N], kind: Kind) -> Arc<dyn Body<S, N>>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     let spec = PatchSpec::new(net).with_degree(degree).with_elements(elements);
     match kind {
         Kind::Splines => Arc::new(Patch::<S, N>::try_new(&spec.with_basis(BasisKind::BSpline)).unwrap()),

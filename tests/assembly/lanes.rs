@@ -12,7 +12,7 @@ use faying::check;
 use faying::geometry::{Bounds, Control, Geometry, MapStructure, MapTable, shapes};
 use faying::linalg::{Csr, Ldlt, LinearSolver, Matrix, Operator, Vector};
 use faying::quadrature::{PerElement, Quadrature, Rule};
-use faying::space::{Body, CellBlock, FieldAt, Mapping, Mesh, MeshCells, PatchSpec, Space};
+use faying::space::{Body, CellBlock, Dimension, FieldAt, Mapping, Mesh, MeshCells, PatchSpec, Space, Trace};
 use plain::{Plain, apart};
 use states::states_are_those_of_each_element;
 use std::sync::Arc;
@@ -315,7 +315,10 @@ fn nodes_per_cell<const N: usize>(block: &CellBlock) -> usize {
 }
 
 /// The solution of -lap u + u = f at the points of a mesh, none where no node is.
-fn at_points<const S: usize, const N: usize>(body: &Mesh<S, N>, points: usize) -> Vec<Option<f64>> {
+fn at_points<const S: usize, const N: usize>(body: &Mesh<S, N>, points: usize) -> Vec<Option<f64>>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     let space = &**body.space();
     let rules = gauss_rules(space, 0);
     let mut k = stiffness(space, &rules, &Form::<1, N>::laplace());
@@ -330,7 +333,10 @@ fn at_points<const S: usize, const N: usize>(body: &Mesh<S, N>, points: usize) -
 
 #[test]
 fn meshes_in_any_order_have_one_solution_at_their_own_points() {
-    fn check<const S: usize, const N: usize>(cells: &MeshCells<N>, degree: usize) {
+    fn check<const S: usize, const N: usize>(cells: &MeshCells<N>, degree: usize)
+    where
+        Trace<S, N>: Dimension<S, N>,
+    {
         let (other, new) = shuffled(cells, 5);
         let [one, two] = [cells, &other].map(|m| Mesh::<S, N>::from_cells(m, degree, Mapping::Exact).unwrap());
         let (u, v) = (at_points(&one, new.len()), at_points(&two, new.len()));

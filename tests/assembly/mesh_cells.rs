@@ -9,7 +9,7 @@ use faying::check;
 use faying::geometry::{MapTable, cell};
 use faying::linalg::{Matrix, Vector};
 use faying::physics::{Conductor, Hooke, Material};
-use faying::space::{Body, Mapping, Mesh, MeshCells, MeshError, PatchSpec, SideError, measure};
+use faying::space::{Body, Dimension, Mapping, Mesh, MeshCells, MeshError, PatchSpec, SideError, Trace, measure};
 use std::collections::HashMap;
 
 fn plane(shapes: Shapes, order: usize, degree: usize, mapping: Mapping) -> Mesh<1, 2> {
@@ -63,7 +63,10 @@ fn meshes_in_space_keep_the_contract_of_bodies() {
 }
 
 /// The largest jump of a field with random coefficients, and of the map, over all facets inside; and their number.
-fn jumps<const S: usize, const N: usize>(body: &Mesh<S, N>) -> (f64, f64, usize) {
+fn jumps<const S: usize, const N: usize>(body: &Mesh<S, N>) -> (f64, f64, usize)
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     let space = &**body.space();
     let mut random = Random(3);
     let u: Vec<f64> = (0..space.num_functions()).map(|_| random.next()).collect();
@@ -146,7 +149,10 @@ fn power<const C: usize, const N: usize>(p: i32) -> impl Fn(&Vector<N>) -> Jet2<
 }
 
 /// Largest error of a field that the body holds, with exact values on three sides and tractions on the others.
-fn error_of<const C: usize, const S: usize, const N: usize>(body: &Mesh<S, N>, material: &dyn Material<C, N>, p: i32, extra: usize) -> f64 {
+fn error_of<const C: usize, const S: usize, const N: usize>(body: &Mesh<S, N>, material: &dyn Material<C, N>, p: i32, extra: usize) -> f64
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     let exact = power::<C, N>(p);
     let mut problem = Problem::new(material, &exact).held_on(body, &["x0", "y1", "z0"]);
     problem.extra = extra;

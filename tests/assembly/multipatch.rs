@@ -8,8 +8,8 @@ use faying::geometry::{ControlNet, shapes};
 use faying::linalg::{Matrix, Vector};
 use faying::physics::Hooke;
 use faying::space::{
-    Body, Field, FunctionSpace, GlueError, Locator, Mesh, MultiPatch, MultiPatchError, Near, Patch, PatchSpec, Seam, SideError, field_at,
-    glue,
+    Body, Dimension, Field, FunctionSpace, GlueError, Locator, Mesh, MultiPatch, MultiPatchError, Near, Patch, PatchSpec, Seam, SideError,
+    Trace, field_at, glue,
 };
 use std::sync::Arc;
 
@@ -83,14 +83,20 @@ fn glued<const S: usize, const N: usize>(nets: Vec<ControlNet<N, N>>, make: &Mak
     MultiPatch::try_new(bodies, &seams, Near::Exact).unwrap()
 }
 
-fn iga<const S: usize, const N: usize>(degree: usize, elements: usize, continuity: usize) -> Box<Make<S, N>> {
+fn iga<const S: usize, const N: usize>(degree: usize, elements: usize, continuity: usize) -> Box<Make<S, N>>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     Box::new(move |net| {
         let spec = PatchSpec::new(net).with_degree([degree; N]).with_elements([elements; N]).with_continuity(continuity);
         Arc::new(Patch::<S, N>::try_new(&spec).unwrap())
     })
 }
 
-fn fe<const S: usize, const N: usize>(degree: usize, elements: usize, cells: Cell) -> Box<Make<S, N>> {
+fn fe<const S: usize, const N: usize>(degree: usize, elements: usize, cells: Cell) -> Box<Make<S, N>>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     Box::new(move |net| {
         let spec = PatchSpec::new(net).with_degree([degree; N]).with_elements([elements; N]).with_cells(cells);
         Arc::new(Mesh::<S, N>::from_patch(&spec).unwrap())

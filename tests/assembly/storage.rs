@@ -4,7 +4,7 @@ use faying::assembly::{Equation, Reduced, gauss_rules, refill_stiffness, stiffne
 use faying::geometry::ControlNet;
 use faying::linalg::{Csr, Operator, Real, Sparsity, Triplets, lit, product, sum};
 use faying::physics::{Hooke, form};
-use faying::space::{Body, Patch, PatchSpec};
+use faying::space::{Body, Dimension, Patch, PatchSpec, Trace};
 use std::sync::Arc;
 
 /// A matrix of 5 x 4 groups of `block` rows and columns with numbers of no pattern, group 3 of rows empty.
@@ -188,7 +188,7 @@ const PER_LAYER: u64 = 16;
 /// Numbers of times that refilling the matrix of n elements per direction allocates, on one thread.
 fn allocations<const S: usize, const N: usize>(n: usize, material: &dyn faying::physics::Material<N, N>, net: ControlNet<N, N>) -> u64
 where
-    Patch<S, N>: Body<S, N>,
+    Trace<S, N>: Dimension<S, N>,
 {
     let patch = Patch::<S, N>::try_new(&PatchSpec::new(net).with_degree([2; N]).with_elements([n; N])).unwrap();
     let rules = gauss_rules(patch.space(), 0);

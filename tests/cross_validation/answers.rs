@@ -3,7 +3,8 @@
 use crate::setting::Setting;
 use faying::geometry::{Embedded, Embedding, Geometry, closest_point};
 use faying::linalg::{Matrix, Vector};
-use faying::problem::{BodyId, PointState, Solution};
+use faying::problem::{BodyId, InterfaceSide, PointState, Solution};
+use faying::space::Trace;
 
 /// Distance, as a share of an element, up to which a point belongs to it.
 const NEAR: f64 = 1e-9;
@@ -34,7 +35,10 @@ pub fn side<const N: usize>(name: &str) -> &str {
     known.iter().find(|(alias, _)| *alias == name).map_or(name, |(_, own)| own)
 }
 
-impl<const S: usize, const N: usize> Setting<S, N> {
+impl<const S: usize, const N: usize> Setting<S, N>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     /// The solution at a place, the mean over all elements of the body that contain it.
     fn at(&self, solution: &Solution<S, N>, body: BodyId, x: &[f64; N]) -> Option<PointState<N>> {
         let found = solution.at(body, x).ok()?;

@@ -12,8 +12,8 @@ use faying::geometry::ControlNet;
 use faying::geometry::shapes::{annulus_sector, brick, plate_with_hole, rectangle, sphere_octant};
 use faying::linalg::Vector;
 use faying::physics::{Hooke, Material};
-use faying::problem::{Components, ContactId, Data, Exact, InterfaceId, Opponent, Solution, Value};
-use faying::space::{BasisKind, Body, Mapping, Mesh, Patch};
+use faying::problem::{Components, ContactId, Data, Exact, InterfaceId, InterfaceSide, Opponent, Solution, Value};
+use faying::space::{BasisKind, Body, Mapping, Trace};
 
 /// Where bodies are moved to.
 const MOVED: [f64; 2] = [5.0, -7.0];
@@ -91,8 +91,7 @@ fn one_body<const C: usize, const S: usize, const N: usize>(
     [held, loaded]: [&[&str]; 2],
     solve: impl Fn(&Setting<S, N>) -> Solution<S, N>,
 ) where
-    Patch<S, N>: Body<S, N>,
-    Mesh<S, N>: Body<S, N>,
+    Trace<S, N>: InterfaceSide<S, N>,
 {
     let both = twins(degree).map(|twin| {
         let mut s = Setting::<S, N>::new();

@@ -5,7 +5,7 @@ use crate::pressed::Pressed;
 use crate::tied::Tied;
 use faying::geometry::ControlNet;
 use faying::physics::Material;
-use faying::problem::{BodyId, BodyMaterial, BodySpec, Exact, Problem};
+use faying::problem::{BodyId, BodyMaterial, BodySpec, Exact, InterfaceSide, Problem};
 use faying::space::{Body, Divisions, Grading, Mesh, Patch, PatchSpec, Trace, divided};
 use std::sync::Arc;
 
@@ -53,8 +53,7 @@ impl<const N: usize> Shape<N> {
     /// Its patch or mesh as `choices` have it, and the extra points of its rules.
     fn body<const S: usize>(self, choices: &Choices) -> (Arc<dyn Body<S, N>>, usize)
     where
-        Patch<S, N>: Body<S, N>,
-        Mesh<S, N>: Body<S, N>,
+        Trace<S, N>: InterfaceSide<S, N>,
     {
         let d = choices.discretisation(self.name, self.by_default);
         let (elements, refine) = choices.elements(self.name, self.elements);
@@ -75,7 +74,10 @@ impl<const N: usize> Shape<N> {
     }
 }
 
-impl<const S: usize, const N: usize> Setting<S, N> {
+impl<const S: usize, const N: usize> Setting<S, N>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     /// Nothing yet.
     pub fn new() -> Self {
         Self { problem: Problem::new(), bodies: Vec::new(), ties: Vec::new(), contacts: Vec::new(), exact: None }
@@ -84,8 +86,7 @@ impl<const S: usize, const N: usize> Setting<S, N> {
     /// Adds the body of a shape.
     pub fn shape<const C: usize>(&mut self, choices: &Choices, shape: Shape<N>, material: impl Material<C, N> + 'static) -> BodyId
     where
-        Patch<S, N>: Body<S, N>,
-        Mesh<S, N>: Body<S, N>,
+        Trace<S, N>: InterfaceSide<S, N>,
     {
         let name = shape.name;
         let (body, extra_points) = shape.body(choices);

@@ -2,9 +2,9 @@
 
 use faying::geometry::shapes::{annulus_sector, brick};
 use faying::physics::Conductor;
-use faying::problem::Problem;
 use faying::problem::touching::{Couple, Finding, Position, Search, TouchError};
-use faying::space::{Body, Mesh, Patch, PatchSpec};
+use faying::problem::{InterfaceSide, Problem};
+use faying::space::{Body, Mesh, Patch, PatchSpec, Trace};
 use std::sync::Arc;
 
 /// A box with its number of elements per direction, as a spline or as a mesh.
@@ -33,8 +33,7 @@ fn block<const N: usize>(along: f64, low: f64, elements: usize, is_mesh: bool) -
 /// Lets `ask` search among the blocks.
 fn search<const S: usize, const N: usize, R>(blocks: &[Block<N>], ask: impl FnOnce(&mut Search<'_, S, N>) -> R) -> R
 where
-    Mesh<S, N>: Body<S, N>,
-    Patch<S, N>: Body<S, N>,
+    Trace<S, N>: InterfaceSide<S, N>,
 {
     let mut problem = Problem::new();
     for (k, b) in blocks.iter().enumerate() {
@@ -58,7 +57,10 @@ fn ends(dimension: usize) -> [&'static str; 2] {
     if dimension == 2 { ["v0", "v1"] } else { ["w0", "w1"] }
 }
 
-fn touching_boxes<const S: usize, const N: usize>(is_mesh: [bool; 2]) {
+fn touching_boxes<const S: usize, const N: usize>(is_mesh: [bool; 2])
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let [bottom, top] = ends(N);
     let [lower, upper] = [format!("b0.{top}"), format!("b1.{bottom}")];
     // both are covered: the finer one is the slave
@@ -113,7 +115,10 @@ fn one_slave_lies_on_two_masters_and_pairs_that_are_excluded_are_left_out() {
     });
 }
 
-fn near_boxes<const S: usize, const N: usize>(is_mesh: bool) {
+fn near_boxes<const S: usize, const N: usize>(is_mesh: bool)
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let gap = 0.9e-3 / 4.0;
     let blocks = [block(0.0, 0.0, 4, is_mesh), block(0.0, 1.0 + gap, 4, is_mesh), block(1.0, 0.0, 4, is_mesh)];
     search::<S, N, _>(&blocks, |search| {
@@ -156,7 +161,10 @@ fn sides_that_are_apart_by_less_than_a_thousandth_of_a_facet_are_told_and_not_ti
     }
 }
 
-fn overlapping_boxes<const S: usize, const N: usize>(is_mesh: bool) {
+fn overlapping_boxes<const S: usize, const N: usize>(is_mesh: bool)
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let [bottom, top] = ends(N);
     let found = |blocks: &[Block<N>], contacts: &[[usize; 2]], outer: Option<(usize, &str)>| {
         search::<S, N, _>(blocks, |search| {

@@ -9,10 +9,13 @@ use faying::coupling::multiplier::MultiplierKind;
 use faying::coupling::nitsche::Variant;
 use faying::coupling::{Mortar, Nitsche, Penalty};
 use faying::problem::Integration;
-use faying::space::{Mesh, Patch};
+use faying::space::{Dimension, Mesh, Patch, Trace};
 use std::sync::Arc;
 
-impl<const S: usize, const N: usize> Names<S, N> {
+impl<const S: usize, const N: usize> Names<S, N>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     /// The built-in names that both dimensions have: backends, methods of contact, multipliers, integrations.
     fn of_both() -> Self {
         let mut names = Self::empty();

@@ -17,6 +17,15 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     ///
     /// `tolerance`: the largest admissible distance \[length\]; with it no explanation is asked for.
     pub fn tie(&mut self, slave: Arc<BodySide<S, N>>, masters: Vec<Arc<BodySide<S, N>>>, tolerance: Option<f64>) -> Couple<S, N> {
+        self.compiled.tie(self, slave, masters, tolerance)
+    }
+
+    pub(crate) fn tie_named(
+        &mut self,
+        slave: Arc<BodySide<S, N>>,
+        masters: Vec<Arc<BodySide<S, N>>>,
+        tolerance: Option<f64>,
+    ) -> Couple<S, N> {
         let mut couple = Couple { slave, masters, tolerance, is_named: true, explained: None };
         if tolerance.is_none() {
             match self.explained(&couple) {

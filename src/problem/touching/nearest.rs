@@ -18,7 +18,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     /// Finds sides of `bodies` that nothing joins though they are near for the size of their facets: [`Finding::Near`], of every two bodies
     /// the nearest sides, without pairs that a finding or an error has named.
     pub fn nearly_touching(&mut self, bodies: &[usize]) {
-        for pair in self.nearest_of(bodies, true).into_values() {
+        for pair in self.compiled.nearest_of(self, bodies, true).into_values() {
             if self.tell(&pair.sides) {
                 self.findings.push(Finding::Near(pair));
             }
@@ -27,7 +27,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
 
     /// Returns the nearest of the sides of `bodies` that nothing joins; `None` if no two face each other.
     pub(super) fn nearest(&mut self, bodies: &[usize]) -> Option<NearPair<S, N>> {
-        let pairs = self.nearest_of(bodies, false).into_values();
+        let pairs = self.compiled.nearest_of(self, bodies, false).into_values();
         pairs.reduce(|a, b| if b.facing.distance < a.facing.distance { b } else { a })
     }
 
@@ -35,7 +35,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     /// their facets, else at least those that are nearest of all.
     ///
     /// Sides that overlap through bodies that are joined are the far faces of thin ones.
-    fn nearest_of(&mut self, bodies: &[usize], near: bool) -> BTreeMap<[usize; 2], NearPair<S, N>> {
+    pub(crate) fn nearest_of(&mut self, bodies: &[usize], near: bool) -> BTreeMap<[usize; 2], NearPair<S, N>> {
         let patches = self.patches;
         let names = bodies.iter().flat_map(|&patch| patches[patch].body.sides().into_iter().map(move |side| (patch, side)));
         let all: Vec<_> = names.filter_map(|(patch, side)| self.side(patch, &side).ok()).collect();

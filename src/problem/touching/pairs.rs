@@ -19,7 +19,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     /// # Errors
     /// [`TouchError::Side`], [`TouchError::Beyond`].
     pub fn glue_touching(&mut self, bodies: &[usize], parted: &[BTreeSet<usize>]) -> Result<Vec<Couple<S, N>>, TouchError<S, N>> {
-        self.touching(bodies, None, &|a, b| parted.iter().any(|set| set.contains(&a) && set.contains(&b)))
+        self.compiled.touching(self, bodies, None, &|a, b| parted.iter().any(|set| set.contains(&a) && set.contains(&b)))
     }
 
     /// Ties the touching sides of `bodies`, as slaves with masters, without the pairs that are joined or excluded, every facet once. Among
@@ -32,7 +32,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     /// # Errors
     /// [`TouchError`].
     pub fn tie_touching(&mut self, bodies: &[usize], tolerance: Option<f64>) -> Result<Vec<Couple<S, N>>, TouchError<S, N>> {
-        let found = self.touching(bodies, tolerance, &|_, _| false)?;
+        let found = self.compiled.touching(self, bodies, tolerance, &|_, _| false)?;
         if found.is_empty() {
             let nearest = self.nearest(bodies);
             if let Some(pair) = &nearest {
@@ -43,7 +43,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
         Ok(found)
     }
 
-    fn touching(
+    pub(crate) fn touching(
         &mut self,
         bodies: &[usize],
         tolerance: Option<f64>,

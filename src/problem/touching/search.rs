@@ -5,6 +5,7 @@ use super::finding::Finding;
 use super::joined_sides::{JoinedSides, SidePair, key, side_pair};
 use super::lengths::sag;
 use crate::geometry::Sag;
+use crate::problem::compiled::Compiled;
 use crate::problem::contents::BodyView;
 use crate::problem::model::{BodyModel, BodySide};
 use crate::space::SideError;
@@ -16,6 +17,7 @@ pub(crate) type SideSource<'a, const S: usize, const N: usize> = dyn FnMut(usize
 
 /// A search for sides that touch, among bodies of which some sides are joined already.
 pub struct Search<'a, const S: usize, const N: usize> {
+    pub(super) compiled: &'static dyn Compiled<S, N>,
     pub(super) patches: &'a [BodyModel<S, N>],
     sides: &'a mut SideSource<'a, S, N>,
     pub(super) joined: JoinedSides,
@@ -32,8 +34,8 @@ impl<const S: usize, const N: usize> std::fmt::Debug for Search<'_, S, N> {
 
 impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
     /// A search among `patches`, of which no sides are joined.
-    pub(crate) fn new(patches: &'a [BodyModel<S, N>], sides: &'a mut SideSource<'a, S, N>) -> Self {
-        Self { patches, sides, joined: JoinedSides::default(), told: BTreeSet::new(), findings: Vec::new() }
+    pub(crate) fn new(compiled: &'static dyn Compiled<S, N>, patches: &'a [BodyModel<S, N>], sides: &'a mut SideSource<'a, S, N>) -> Self {
+        Self { compiled, patches, sides, joined: JoinedSides::default(), told: BTreeSet::new(), findings: Vec::new() }
     }
 
     /// The body with a number.
@@ -54,6 +56,10 @@ impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
 
     /// The sag of the facets of a side: zero if they are the surface itself; for refined meshes that of the unrefined facets.
     pub fn sag(&self, side: &BodySide<S, N>) -> Sag<S, N> {
+        self.compiled.sag(self, side)
+    }
+
+    pub(crate) fn own_sag(&self, side: &BodySide<S, N>) -> Sag<S, N> {
         sag(self.patches, side)
     }
 

@@ -23,6 +23,10 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     /// `contacts`: pairs of bodies that a contact lets touch. `outer`: sides that are meant to be open. `closable`: whether opposite sides
     /// of a body may be joined to a ring.
     pub fn unjoined(&mut self, contacts: &[[usize; 2]], outer: &[Arc<BodySide<S, N>>], closable: &dyn Fn(usize) -> bool) {
+        self.compiled.unjoined(self, contacts, outer, closable);
+    }
+
+    pub(crate) fn find_unjoined(&mut self, contacts: &[[usize; 2]], outer: &[Arc<BodySide<S, N>>], closable: &dyn Fn(usize) -> bool) {
         let patches = self.patches;
         let names = (0..patches.len()).flat_map(|patch| patches[patch].body.sides().into_iter().map(move |side| (patch, side)));
         let all: Vec<_> = names.filter_map(|(patch, side)| Extent::of(self.side(patch, &side).ok()?)).collect();

@@ -7,7 +7,8 @@ use super::{boundary, couples, glue, meshes, patches};
 use crate::errors::Diagnostics;
 use crate::shapes::MakeNet;
 use faying::physics::Assumption;
-use faying::problem::Problem;
+use faying::problem::{InterfaceSide, Problem};
+use faying::space::Trace;
 
 /// A problem without ties and contacts, the places of its statements, and which sides are coupled.
 pub(super) type Supported<const S: usize, const N: usize> = (Problem<S, N>, Places, Couples<S, N>);
@@ -16,7 +17,10 @@ pub(super) type Supported<const S: usize, const N: usize> = (Problem<S, N>, Plac
 pub(super) fn supported<const S: usize, const N: usize>(
     builder: &mut Builder<'_, S, N>,
     net: MakeNet<N>,
-) -> Result<Supported<S, N>, Diagnostics> {
+) -> Result<Supported<S, N>, Diagnostics>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let case = builder.case;
     let problem = if case.model.assumption.value == Assumption::Axisymmetric { Problem::axisymmetric() } else { Problem::new() };
     let (mut problem, mut places) = (problem, Places::default());

@@ -103,6 +103,50 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
         ErrorKind::NotFinite { .. } | ErrorKind::TooLarge { .. } | ErrorKind::Negative { .. } => {
             data_fault::<S, N>(builder, places, error, at)
         }
+        ErrorKind::Glue(of_sides) => glue::fault(builder, at, error.names(), of_sides),
+        ErrorKind::NoExact => {
+            builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")
+        }
+        ErrorKind::ExactInPart => {
+            let text = format!("patch \"{}\" has no `exact`, and patch \"{}\" has one", error.names()[1], error.names()[0]);
+            builder.error("E062", text, at).with_help("give `exact` in every patch, or in [model] for those that have none of their own")
+        }
+        ErrorKind::Prescribed { error: conflict, t, changes } => {
+            let first = said(0).map(|s| s.at).unwrap_or_default();
+            match conflict {
+                DirichletError::Conflict { component, at: x, first_value, second_value, .. } => {
+                    let name = component_name(*component, components);
+                    let lines = first.in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
+                    let text = format!(
+                        "component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({}{})",
+                        coordinates(&x[..N]),
+                        time_text(*changes, *t)
+                    );
+                    builder.error("E052", text, at).with_help("make the values equal there, or prescribe one of them")
+                }
+                DirichletError::Projection { source: LinearError::NotFinite, .. } => {
+                    let text = format!("a prescribed value is not finite somewhere on its side{}", time_text(*changes, *t));
+                    builder.error("E017", text, at)
+                }
+                other => builder.error("E072", other.to_string(), at),
+            }
+        }
+        _ => held(builder, places, error, at)
+            .or_else(|| revolved(builder, places, error, at))
+            .unwrap_or_else(|| builder.error("E015", error.to_string(), at)),
+    }
+}
+
+/// The diagnostic of what is prescribed or held twice, or loaded and held.
+fn held<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    places: &Places,
+    error: &ProblemError,
+    at: Place,
+) -> Option<Diagnostic> {
+    let components = builder.case.model.components();
+    let said = |k: usize| error.of.get(k).and_then(|of| places.said(*of));
+    Some(match &error.kind {
         ErrorKind::Twice { component } => {
             let name = component_name(*component, components);
             let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(", first in line {line}"));
@@ -136,11 +180,23 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
                 format!("the condition on `{own}` contradicts {} where they meet, by {}{when}", others.join(" and "), short(*defect));
             builder.error("E052", text, at).with_help("make the values agree in common points, or drop one of the conditions")
         }
+        _ => return None,
+    })
+}
+
+/// The diagnostic of what bodies of revolution cannot have.
+fn revolved<const S: usize, const N: usize>(
+    builder: &Builder<'_, S, N>,
+    places: &Places,
+    error: &ProblemError,
+    at: Place,
+) -> Option<Diagnostic> {
+    Some(match &error.kind {
         ErrorKind::BeyondAxis { x } => {
-            let Some(number) = patch() else { return builder.error("E041", error.to_string(), at) };
+            let number = error.of.iter().find_map(|of| places.patch(*of))?;
             let text = format!("patch \"{}\" has points beyond the axis x = 0, such as {}", error.names()[0], place(&x[..N]));
             builder
-                .error("E041", text, case.patches[number].geometry.at)
+                .error("E041", text, builder.case.patches[number].geometry.at)
                 .with_help("x is the radius here: keep to x >= 0, half of the section is all of the body of revolution")
         }
         ErrorKind::OnAxis => {
@@ -155,34 +211,6 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
                 .error("E015", text, at)
                 .with_help("bodies of revolution move along y alone; `move` takes x, as for a mandrel that opens")
         }
-        ErrorKind::Glue(of_sides) => glue::fault(builder, at, error.names(), of_sides),
-        ErrorKind::NoExact => {
-            builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")
-        }
-        ErrorKind::ExactInPart => {
-            let text = format!("patch \"{}\" has no `exact`, and patch \"{}\" has one", error.names()[1], error.names()[0]);
-            builder.error("E062", text, at).with_help("give `exact` in every patch, or in [model] for those that have none of their own")
-        }
-        ErrorKind::Prescribed { error: conflict, t, changes } => {
-            let first = said(0).map(|s| s.at).unwrap_or_default();
-            match conflict {
-                DirichletError::Conflict { component, at: x, first_value, second_value, .. } => {
-                    let name = component_name(*component, components);
-                    let lines = first.in_file().map_or(String::new(), |(line, _)| format!(" (line {line})"));
-                    let text = format!(
-                        "component {name} is prescribed as {first_value}{lines} and as {second_value} at the common point ({}{})",
-                        coordinates(&x[..N]),
-                        time_text(*changes, *t)
-                    );
-                    builder.error("E052", text, at).with_help("make the values equal there, or prescribe one of them")
-                }
-                DirichletError::Projection { source: LinearError::NotFinite, .. } => {
-                    let text = format!("a prescribed value is not finite somewhere on its side{}", time_text(*changes, *t));
-                    builder.error("E017", text, at)
-                }
-                other => builder.error("E072", other.to_string(), at),
-            }
-        }
-        _ => builder.error("E015", error.to_string(), at),
-    }
+        _ => return None,
+    })
 }

@@ -7,13 +7,16 @@ use crate::place::Located;
 use crate::shapes::{mesh_fault, placed_points};
 use crate::words::place;
 use faying::linalg::Vector;
-use faying::space::{Body, Mapping, Mesh, Unshared, refine_cells, unshared_points};
+use faying::space::{Body, Dimension, Mapping, Mesh, Trace, Unshared, refine_cells, unshared_points};
 
 /// Builds the body of a patch that is read from a mesh (backend `fe`).
 pub(crate) fn body<const S: usize, const N: usize>(
     builder: &Builder<'_, S, N>,
     patch: &Patch,
-) -> Result<Box<dyn Body<S, N>>, Box<Diagnostic>> {
+) -> Result<Box<dyn Body<S, N>>, Box<Diagnostic>>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     let geometry = &patch.geometry;
     let name = &patch.name.value;
     let part = geometry.shape.part();
@@ -67,7 +70,10 @@ pub(crate) fn unshared_text<const N: usize>(whose: &str, found: &Unshared<N>, at
 }
 
 /// Returns the mesh of a patch, transformed but not refined: its facets determine the sag. `None` if the patch is no refined mesh.
-pub(super) fn unrefined<const S: usize, const N: usize>(patch: &Patch) -> Option<Box<dyn Body<S, N>>> {
+pub(super) fn unrefined<const S: usize, const N: usize>(patch: &Patch) -> Option<Box<dyn Body<S, N>>>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     let part = patch.geometry.shape.mesh_part().filter(|_| patch.refine.value > 0)?;
     let mut cells = part.cells::<N>()?;
     cells.points = placed_points(&cells.points, &patch.geometry).ok()?;

@@ -65,7 +65,10 @@ pub(crate) fn stated<'a, const S: usize, const N: usize>(
     case: &'a Case,
     names: &'a Names<S, N>,
     net: MakeNet<N>,
-) -> Result<Stated<'a, S, N>, Diagnostics> {
+) -> Result<Stated<'a, S, N>, Diagnostics>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let mut builder = Builder { case, names, faults: Diagnostics::new() };
     let (mut problem, mut places, couples) = supported(&mut builder, net)?;
     ties::say(&mut builder, &mut problem, &mut places, &couples);

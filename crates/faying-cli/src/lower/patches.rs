@@ -9,7 +9,7 @@ use crate::place::Located;
 use crate::shapes::MakeNet;
 use faying::physics::Assumption;
 use faying::problem::{BodyMaterial, BodySpec, Changing, Physics, Problem, ProblemError};
-use faying::space::{Body, PatchSpec, divided};
+use faying::space::{Body, Dimension, PatchSpec, Trace, divided};
 use std::sync::Arc;
 
 /// Says all bodies of the case, with their sources, weights and foundations; errors go to the builder's faults.
@@ -18,7 +18,9 @@ pub(super) fn say<const S: usize, const N: usize>(
     net: MakeNet<N>,
     problem: &mut Problem<S, N>,
     places: &mut Places,
-) {
+) where
+    Trace<S, N>: Dimension<S, N>,
+{
     for k in 0..builder.case.patches.len() {
         if let Err(fault) = one(builder, k, net, problem, places) {
             builder.faults.push(*fault);
@@ -32,7 +34,10 @@ fn one<const S: usize, const N: usize>(
     net: MakeNet<N>,
     problem: &mut Problem<S, N>,
     places: &mut Places,
-) -> Result<(), Box<Diagnostic>> {
+) -> Result<(), Box<Diagnostic>>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     let case = builder.case;
     let patch = &case.patches[number];
     let backend = &patch.discretization.backend;

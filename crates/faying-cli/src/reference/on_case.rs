@@ -15,7 +15,7 @@ use faying::geometry::{ClosestPoint, Embedding};
 use faying::linalg::{Matrix, Vector};
 use faying::problem::{Contents, InterfaceId, InterfaceSide, OtherField, SideView};
 use faying::quadrature::{PerElement, Quadrature, Rule, TensorRule, gauss_legendre};
-use faying::space::{Body, Field, Mapping, PatchSpec, Space, Trace, field_at};
+use faying::space::{Body, Dimension, Field, Mapping, PatchSpec, Space, Trace, field_at};
 use std::sync::Arc;
 
 /// Largest share of a side that a stored multiplier may leave out.
@@ -202,7 +202,10 @@ fn patch<const S: usize, const N: usize>(
     (number, words): (usize, &case::Patch),
     stored: &StoredPatch,
     net: MakeNet<N>,
-) -> Result<ReferencePatch<S, N>, String> {
+) -> Result<ReferencePatch<S, N>, String>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     let own = specification(builder, words, net).map_err(|fault| fault.message)?;
     let geometry = own.as_ref().map_or_else(|| of_cells::<N>(words), of_net);
     if !same_geometry(&geometry, &stored.geometry) {
@@ -304,7 +307,10 @@ fn sides<'a, const S: usize, const N: usize>(
     patches: &[ReferencePatch<S, N>],
     stored: &[&'a StoredSide],
     components: usize,
-) -> Result<Vec<Side<'a, S, N>>, String> {
+) -> Result<Vec<Side<'a, S, N>>, String>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     let mut all = Vec::with_capacity(stored.len());
     for side in stored {
         if side.components != components {
@@ -324,7 +330,7 @@ fn sides<'a, const S: usize, const N: usize>(
             let origin = Vector::from_fn(|i, _| number(1 + i, k));
             facets.push(Embedding { element: element as usize, origin, axes: Matrix::from_fn(|i, s| number(1 + N + s * N + i, k)) });
         }
-        let trace = Trace::from_facets(space, facets, Cell::Tensor).map_err(|e| format!("is not on a side: {e}"))?;
+        let trace = Trace::<S, N>::side_of_facets(space, facets, Cell::Tensor).map_err(|e| format!("is not on a side: {e}"))?;
         all.push(Side { patch, trace, stored: side, values: Arc::new(side.values.clone()) });
     }
     Ok(all)
