@@ -17,3 +17,8 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     assert!((u - 1.5f64.log2()).abs() < 1e-5);
     Ok(())
 }
+
+#[test]
+fn the_lesson_runs() {
+    main().unwrap();
+}

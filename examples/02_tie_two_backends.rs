@@ -52,3 +52,8 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     }
     Ok(())
 }
+
+#[test]
+fn the_lesson_runs() {
+    main().unwrap();
+}

@@ -37,3 +37,8 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     }
     Ok(())
 }
+
+#[test]
+fn the_lesson_runs() {
+    main().unwrap();
+}

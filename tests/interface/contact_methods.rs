@@ -1,6 +1,8 @@
 //! Methods of contact: the rules that all keep, faults that the rules find, what they refuse, and a contact solved by hand.
 
-use crate::lessons::contact_method::{InteriorPoint, pressed};
+#[path = "../../examples/05_own_contact_method.rs"]
+mod own_contact_method;
+
 use faying::check::contact_method;
 use faying::constraint::{ActiveSet, ConstraintSolver, Direct, RowIteration};
 use faying::contact::{Augmented, Begun, ContactAt, ContactError, ContactMethod, ContactRows, HalfPlane, Lagrange, Needs, PointValues};
@@ -11,6 +13,7 @@ use faying::linalg::Vector;
 use faying::physics::Hooke;
 use faying::problem::{Components, ErrorKind, Integration, InterfaceError, Problem, StepError};
 use faying::space::{Mesh, Patch, PatchSpec};
+use own_contact_method::{InteriorPoint, pressed};
 use std::sync::Arc;
 
 #[test]

@@ -13,12 +13,12 @@ mod faults;
 mod held_and_loaded;
 mod inf_sup;
 mod interface_quadrature;
-mod lessons;
 mod level_set;
 mod merging;
 mod mesh_tied;
 mod obstacle;
 mod patch_test_tied;
+mod problems;
 #[path = "../common/random.rs"]
 mod random;
 mod solvers;

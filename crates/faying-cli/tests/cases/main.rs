@@ -1,4 +1,4 @@
-//! Case files as a whole: reading, running, stored references, families of mutants, the lessons.
+//! Case files as a whole: reading, running, stored references, families of mutants.
 #![allow(clippy::unwrap_used)]
 
 mod battery;
@@ -6,7 +6,6 @@ mod bulk_terms;
 mod case_files;
 mod exact_per_patch;
 mod extremes;
-mod lessons;
 mod loads;
 mod magnitudes;
 mod mutated_files;

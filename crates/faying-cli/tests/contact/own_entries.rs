@@ -7,7 +7,7 @@ use faying_cli::case::{Given, Key, KeyKind, ReadOptions};
 use faying_cli::{Case, Fault, Registry, case};
 use std::sync::Arc;
 
-#[path = "../../../../examples/04_own_material_and_obstacle.rs"]
+#[path = "../../../../examples/06_own_body_material_obstacle.rs"]
 mod lesson;
 
 fn wood(given: &Given, t: f64) -> Result<Physics<2>, Fault> {
@@ -159,7 +159,7 @@ fn an_integration_from_outside_has_the_numbers_of_its_twin() {
 
 /// The lesson about methods of contact.
 #[allow(dead_code)]
-#[path = "../../../../examples/05_contact_method.rs"]
+#[path = "../../../../examples/05_own_contact_method.rs"]
 mod method_lesson;
 
 /// A penalty with a stiffness per area of its own, and a coupling of springs.

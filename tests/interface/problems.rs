@@ -1,44 +1,4 @@
-//! The lessons that use the library alone: each is a program, and here a test.
-
-#[path = "../../examples/01_poisson.rs"]
-mod poisson;
-
-#[path = "../../examples/02_tie_two_backends.rs"]
-mod tie_two_backends;
-
-#[path = "../../examples/03_contact.rs"]
-mod contact;
-
-#[path = "../../examples/04_own_material_and_obstacle.rs"]
-mod own_material_and_obstacle;
-
-#[path = "../../examples/05_contact_method.rs"]
-pub mod contact_method;
-
-#[test]
-fn lesson_5_a_method_of_contact_from_outside() {
-    contact_method::main().unwrap();
-}
-
-#[test]
-fn lesson_1_poisson() {
-    poisson::main().unwrap();
-}
-
-#[test]
-fn lesson_2_any_two_backends_are_tied() {
-    tie_two_backends::main().unwrap();
-}
-
-#[test]
-fn lesson_3_contact_by_three_methods() {
-    contact::main().unwrap();
-}
-
-#[test]
-fn lesson_4_a_material_and_an_obstacle_from_outside() {
-    own_material_and_obstacle::main().unwrap();
-}
+//! Problems that are refused, and statements that the lessons of `examples` do not show.
 
 /// The only error of a problem.
 fn refused(p: &faying::problem::Problem<1, 2>) -> faying::problem::ProblemError {

@@ -1,4 +1,4 @@
-//! Lesson 5: a method of contact from outside the crate, beside those of the library. `cargo run --release --example 05_contact_method`
+//! Lesson 5: a method of contact from outside the crate, beside those of the library. `cargo run --release --example 05_own_contact_method`
 //!
 //! `InteriorPoint` keeps all gaps s and pressures z = -lambda positive and lets their products fall to zero together. The Newton step for
 //! s z = mu is a system of soft equalities,
@@ -170,4 +170,9 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     Ok(())
+}
+
+#[test]
+fn the_lesson_runs() {
+    main().unwrap();
 }
