@@ -2,7 +2,7 @@
 
 use super::cells::Slots;
 use super::graph::Graph;
-use super::sum_factorization::numbers;
+use super::sum_factorization::numbering;
 use crate::basis::{Basis, Block, Elements};
 use crate::linalg::{Buffer, Csr, Real, Sparsity};
 use rayon::prelude::*;
@@ -31,8 +31,8 @@ impl Pattern {
         let (elements, functions) = (basis.num_elements(), basis.num_functions());
         assert!(u32::try_from(elements.max(functions)).is_ok(), "fewer than 2^32 functions and elements");
         let mut pattern = Self { graph: Graph::new(basis), ptr: Vec::new(), cols: Buffer::default(), slots: None };
-        let whole = numbers::patches(basis).and_then(|parts| match &parts[..] {
-            [part] if numbers::is_whole(&part.ids, functions) => pattern.product(&part.block),
+        let whole = numbering::patches(basis).and_then(|parts| match &parts[..] {
+            [part] if numbering::is_whole(&part.ids, functions) => pattern.product(&part.block),
             _ => None,
         });
         if let Some((ptr, cols)) = whole {

@@ -1,16 +1,14 @@
 //! Loads: forces at the points, contracted with the functions direction by direction; their sum and their first moments. Internal
 //! forces: stresses at the points, contracted with the gradients of the functions; the energy.
 
-use super::Patches;
-use super::aligned::Aligned;
 use super::axis::Axis;
 use super::cell::{Cell, Here};
-use super::gradients::State;
-use super::grid::{QuadratureGrid, Sink, Visit};
+use super::grid::{PointCallback, QuadratureGrid, QuadraturePoints, Sink, Visit};
 use super::integrate::{self, Gather};
 use super::map::numbers;
-use super::point_callbacks::{PointCallback, QuadraturePoints};
-use super::point_operator;
+use super::simd::Aligned;
+use super::states::State;
+use super::{Patches, point_operator};
 use crate::linalg::{Real, to_f64};
 use pulp::{Simd, bytemuck};
 use std::ops::Range;

@@ -3,9 +3,8 @@
 //! Mirrors `spread`: lines (K = N kinds, or the value alone: K = 1), planes (two kinds, or one), sums. The slowest
 //! direction is summed point by point in ascending order, so that the bits depend neither on lanes nor on threads.
 
-use super::aligned::Aligned;
 use super::axis::Axis;
-use super::lanes::rows;
+use super::simd::{Aligned, rows};
 use crate::linalg::{Real, lit};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;

@@ -3,9 +3,8 @@
 //! Lanes are points of the slowest direction, so that no later step mixes them: coefficients become planes (value and
 //! derivative along the slowest direction), planes become lines (value, and the derivative along each outer direction).
 
-use super::aligned::Aligned;
 use super::axis::Axis;
-use super::lanes::rows;
+use super::simd::{Aligned, rows};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
 /// Copies coefficients, from a given one on.
@@ -260,8 +259,8 @@ pub(super) fn cell<S: Simd, const N: usize, const NP: usize, const VALUE: bool>(
     let zero = simd.splat_f64s(0.0);
     let points = axis.start[e]..axis.start[e + 1];
     let line = &line[axis.first[e] * width * N..][..NP * width * N];
-    let values = &super::lanes::rows::<NP>(&axis.values)[points.clone()];
-    let slopes = &super::lanes::rows::<NP>(&axis.slopes)[points];
+    let values = &super::simd::rows::<NP>(&axis.values)[points.clone()];
+    let slopes = &super::simd::rows::<NP>(&axis.slopes)[points];
     for c in 0..width {
         let mut own = [[zero; N]; NP];
         for a in 0..NP {

@@ -6,85 +6,62 @@
 //! ring of sums, from which rows are written front to back as they become complete. Work per entry grows like p + 1, not
 //! like (p + 1)^3; nothing is searched, sorted or interpolated, and the rule is the one given.
 //!
-//! | file | does |
+//! | file | content |
 //! |---|---|
-//! | `axis` | tables of one direction |
-//! | `net`, `map` | positions and Jacobians on the grid |
+//! | `axis`, `numbering` | tables of one direction; numbers of the functions, also of several patches as one body |
+//! | `map`, `tensor_field` | positions and Jacobians on the grid |
 //! | `coefficient` | D per pair of components; rational functions by an extended coefficient |
-//! | `groups`, `fast`, `middle`, `slow` | the three contractions |
-//! | `strip` | strips of the fast and of the middle direction, windows of the latter |
-//! | `layer`, `sums`, `march` | loops and threads |
-//! | `write`, `row` | rows of the matrix |
-//! | `glue`, `scatter` | several patches as one body: numbers, pattern of the union, rows |
-//! | `pattern`, `places` | row pointers and columns in closed form; coordinates of the unknowns |
-//! | `entry` | the matrix of a form |
-//! | `grid`, `cell`, `fill`, `sites` | a walk over the points, cell by cell; closures that are called there |
-//! | `spread`, `gather` | interpolation of coefficients to the points, and its transpose |
-//! | `law`, `product`, `diagonal` | the tangent at a point; products without a matrix, and their diagonal |
-//! | `force`, `deviation`, `squares`, `states` | loads and internal forces; norms of differences; a field and its gradient |
-//! | `gradients` | the gradient of a form's state |
-//! | `free`, `keep`, `part`, `aligned` | the operator and its stored data; unknowns of a patch; vectors on cache lines |
+//! | `contract` | the three contractions |
+//! | `sweep`, `tile` | loops and threads: strips, windows, layers |
+//! | `rows`, `matrix` | rows of the matrix, also those of several patches; its pattern in closed form |
+//! | `grid`, `cell` | a walk over the points, cell by cell; closures that are called there |
+//! | `interpolate`, `integrate` | coefficients to the points, and the transpose |
+//! | `point_operator`, `product`, `diagonal`, `matrix_free` | the tangent at a point; products without a matrix, their diagonal, stored data |
+//! | `force`, `norms`, `states` | loads and internal forces; norms of differences; a field and its gradient |
+//! | `dof_coordinates`, `simd` | coordinates of the unknowns; helpers of the lanes |
 //!
 //! Lanes are chosen at run time. They never mix and products are fused at every width, so that a sum has the same terms in
 //! the same order on AVX2 and AVX-512, and for any number of threads. Kernels compute in `f64`; other scalars, degrees above
 //! 5, processors without lanes and spaces without product structure take the plain loop.
 
-mod aligned;
 mod axis;
-#[cfg(all(test, target_arch = "x86_64"))]
-mod bits;
 mod cell;
 mod coefficient;
-#[cfg(test)]
-mod cuts;
-mod deviation;
+mod contract;
 mod diagonal;
-mod entry;
-mod fast;
-mod fill;
+mod dof_coordinates;
 mod force;
-mod glue;
-mod gradients;
 mod grid;
-mod groups;
 mod integrate;
 mod interpolate;
-mod lanes;
 mod map;
+mod matrix;
 mod matrix_free;
-mod middle;
-pub(super) mod numbers;
-mod part;
-mod pattern;
-mod places;
-mod point_cache;
-mod point_callbacks;
+mod norms;
+pub(super) mod numbering;
 mod point_operator;
 mod product;
-mod row;
-mod scatter;
-mod slow;
-mod squares;
+mod rows;
+mod simd;
 mod states;
-mod strip;
-mod sums;
 mod sweep;
 mod tensor_field;
+#[cfg(test)]
+mod tests;
 mod tile;
-mod write;
 
 use axis::{Axis, COMPILED};
 pub(super) use cell::Cell;
 pub(super) use force::add_moments;
-pub(super) use glue::Glue;
-pub(super) use gradients::Physical;
-pub(in crate::assembly) use lanes::available as lanes_available;
+pub(super) use grid::{PointCallback, QuadraturePoints};
 use map::Map;
 pub(super) use map::{Ask, Asks, finish, inverse, numbers as numbers_of_map};
 pub(super) use matrix_free::Free;
-pub(super) use point_callbacks::{PointCallback, QuadraturePoints};
+pub(super) use norms::{SQUARES, Squares};
+pub(super) use numbering::Glue;
 pub(super) use point_operator::{PointOperator, physical, tested};
-pub(super) use squares::{SQUARES, Squares};
+pub(in crate::assembly) use simd::available as lanes_available;
+pub(super) use states::Physical;
 pub(super) use states::{size as state_size, state};
 use tensor_field::TensorField;
 
@@ -152,10 +129,10 @@ impl<'a> Patches<'a> {
         B: Basis<N, T> + ?Sized,
         Q: Quadrature<N, T> + ?Sized,
     {
-        if TypeId::of::<T>() != TypeId::of::<f64>() || !lanes::available() || N != M || !(N == 2 || N == 3) || basis.num_elements() == 0 {
+        if TypeId::of::<T>() != TypeId::of::<f64>() || !simd::available() || N != M || !(N == 2 || N == 3) || basis.num_elements() == 0 {
             return None;
         }
-        let parts = numbers::patches(basis)?;
+        let parts = numbering::patches(basis)?;
         let mut patches = Vec::with_capacity(parts.len());
         for part in &parts {
             let first = part.block.first;
@@ -163,7 +140,7 @@ impl<'a> Patches<'a> {
             patches.push(Patch::new(&part.block, &rules, map(first), asks)?);
         }
         let functions = basis.num_functions();
-        let whole = parts.len() == 1 && numbers::is_whole(&parts[0].ids, functions);
+        let whole = parts.len() == 1 && numbering::is_whole(&parts[0].ids, functions);
         let ids = || parts.iter().flat_map(|part| part.ids.iter().map(|&id| id as u32));
         let glue = (!whole).then(|| match known {
             Some(known) if known.is_of(&patches, ids(), functions) => known.clone(),

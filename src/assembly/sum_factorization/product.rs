@@ -4,14 +4,13 @@
 //! 2 N (p + 1) products for the fastest direction, and a fraction of that for the others. Kept tangents of one component are
 //! taken point by point along whole lines, so that they are read while the points before them are still counted.
 
-use super::aligned::Aligned;
 use super::axis::Axis;
 use super::cell::{Cell, Here};
 use super::grid::{QuadratureGrid, Sink, Visit};
 use super::integrate::{self, Gather};
 use super::interpolate::{self, Coefficients, Interpolation, Read};
-use super::lanes::rows;
 use super::point_operator::{self, PointOperator};
+use super::simd::{Aligned, rows};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
 /// Functions along the first direction at most for which a point is done at once: more do not fit the registers.

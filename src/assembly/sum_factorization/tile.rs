@@ -1,13 +1,13 @@
-//! The first sweep over a layer of elements: tiles of contracted points; sizes and memory of both.
+//! The two sweeps over a layer of elements, with their sizes and memory: tiles of contracted points, then sums per vector of pairs of the
+//! fastest direction.
 
 use super::cell::Cell;
-use super::fast;
-use super::gradients::Physical;
+use super::contract::{self, Tiles};
 use super::map::{self, ElementScratch, Map, MapTile, numbers};
-use super::strip::{Strip, Window, Windows};
-use super::sweep::SweepPlan;
+use super::rows::Directions;
+use super::states::Physical;
+use super::sweep::{Strip, SweepPlan, Window, Windows};
 use super::tensor_field::{Curves, Tile};
-use super::write::Directions;
 use crate::assembly::source::Integrand;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 use rayon::prelude::*;
@@ -228,7 +228,84 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Fast<'_, '_, S, N> {
             let groups = &plan.groups[usize::from(!pair.symmetric)];
             let (axis, strip, out) = (&patch.axes[0], &sweep.fast, bytemuck::cast_slice_mut(out));
             let components = plan.components();
-            simd.vectorize(fast::Contract { simd, axis, strip, d: &scratch.d, stride, groups, components, out });
+            simd.vectorize(contract::Contract { simd, axis, strip, d: &scratch.d, stride, groups, components, out });
+        }
+    }
+}
+
+/// Adds a layer to the sums of vector `r` of pairs of the fastest direction, for the functions of a window.
+pub(super) struct Add<'a, 'p, S: Simd, const N: usize> {
+    pub simd: S,
+    pub sweep: &'a Sweep<'a, 'p, N>,
+    pub layer: &'a Layer,
+    pub window: &'a Window,
+    pub r: usize,
+    pub tiles: &'a [S::f64s],
+    pub scratch: &'a mut [S::f64s],
+    pub sums: &'a mut [S::f64s],
+}
+
+impl<S: Simd, const N: usize> NullaryFnOnce for Add<'_, '_, S, N> {
+    type Output = ();
+    #[inline(always)]
+    fn call(self) {
+        let Self { simd, sweep, layer, window, r, tiles, scratch, sums } = self;
+        let (plan, strip, lanes, task, to) = (sweep.plan, &sweep.middle, sweep.lanes, sweep.task, sweep.to);
+        let (middle, slow) = (to.middle, to.slow);
+        let points = layer.points.len();
+        let width = 2 * middle.active - 1;
+        let vector = r * lanes * plan.components();
+        let types = if plan.components() == 1 { 1 } else { 4 };
+        for (k, (pair, sums)) in plan.pairs.iter().zip(sums.chunks_exact_mut(sweep.vector / plan.pairs.len())).enumerate() {
+            let start = k * sweep.chunk + vector;
+            let components = contract::places(pair.symmetric);
+            for i in window.functions.clone() {
+                let pairs = strip.pairs(middle, i);
+                if pairs.is_empty() {
+                    continue;
+                }
+                if N == 3 {
+                    scratch[..width * points * types].fill(simd.splat_f64s(0.0));
+                    for q in 0..points {
+                        let at = Tiles { start: start + q * task, origin: strip.points.start, places: &sweep.places };
+                        let i = (i, strip.support(middle, i));
+                        match middle.active {
+                            2 if types == 1 => contract::values_middle::<S, 2>(simd, middle, i, tiles, at, scratch, [q, points]),
+                            3 if types == 1 => contract::values_middle::<S, 3>(simd, middle, i, tiles, at, scratch, [q, points]),
+                            4 if types == 1 => contract::values_middle::<S, 4>(simd, middle, i, tiles, at, scratch, [q, points]),
+                            5 if types == 1 => contract::values_middle::<S, 5>(simd, middle, i, tiles, at, scratch, [q, points]),
+                            6 if types == 1 => contract::values_middle::<S, 6>(simd, middle, i, tiles, at, scratch, [q, points]),
+                            2 => contract::contract_middle::<S, 2>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
+                            3 => contract::contract_middle::<S, 3>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
+                            4 => contract::contract_middle::<S, 4>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
+                            5 => contract::contract_middle::<S, 5>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
+                            _ => contract::contract_middle::<S, 6>(simd, middle, i, tiles, at, &components, scratch, [q, points]),
+                        }
+                    }
+                } else {
+                    for q in 0..points {
+                        let from = start + (q / lanes) * task + (q % lanes) * types;
+                        scratch[q * types..(q + 1) * types].copy_from_slice(&tiles[from..from + types]);
+                    }
+                }
+                let t = &scratch[(pairs.start + middle.active - 1 - i) * points * types..];
+                let ring = to.ring(sweep.slots, strip.held.start, i, pairs.start);
+                let sizes = [pairs.len(), points, layer.points.start];
+                for e in layer.elements.clone() {
+                    match slow.active {
+                        2 if types == 1 => contract::values_slow::<S, 2>(simd, slow, e, t, sizes, ring, sums),
+                        3 if types == 1 => contract::values_slow::<S, 3>(simd, slow, e, t, sizes, ring, sums),
+                        4 if types == 1 => contract::values_slow::<S, 4>(simd, slow, e, t, sizes, ring, sums),
+                        5 if types == 1 => contract::values_slow::<S, 5>(simd, slow, e, t, sizes, ring, sums),
+                        6 if types == 1 => contract::values_slow::<S, 6>(simd, slow, e, t, sizes, ring, sums),
+                        2 => contract::contract_slow::<S, 2>(simd, slow, e, t, sizes, ring, sums),
+                        3 => contract::contract_slow::<S, 3>(simd, slow, e, t, sizes, ring, sums),
+                        4 => contract::contract_slow::<S, 4>(simd, slow, e, t, sizes, ring, sums),
+                        5 => contract::contract_slow::<S, 5>(simd, slow, e, t, sizes, ring, sums),
+                        _ => contract::contract_slow::<S, 6>(simd, slow, e, t, sizes, ring, sums),
+                    }
+                }
+            }
         }
     }
 }

@@ -1,13 +1,13 @@
-//! The matrix of a patch: pattern, then values.
+//! The matrix of a patch: row pointers and columns in closed form, then values.
 
 use super::coefficient::Coefficient;
-use super::pattern::pattern;
-use super::sweep::{RowRange, SweepPlan, march};
-use super::write::{Directions, RowScratch, Sums};
-use super::{Patch, Patches, scatter, strip};
+use super::rows::{self, Directions, RowScratch, Sums};
+use super::sweep::{self, RowRange, SweepPlan, march};
+use super::{Patch, Patches};
 use crate::assembly::Form;
+use crate::assembly::pattern::each_row;
 use crate::assembly::source::Integrand;
-use crate::linalg::{Csr, Real, Sparsity};
+use crate::linalg::{Buffer, Csr, Real, Sparsity};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::Arc;
@@ -68,7 +68,7 @@ impl<'p> Patches<'p> {
     pub(super) fn fill_strips<T: Real>(&self, plans: &[SweepPlan<'_, '_>], add: bool, matrix: &mut Csr<T>) {
         match &self.glue {
             None => self.patches[0].fill_strips(&plans[0], add, matrix.vals_mut()),
-            Some(glue) => scatter::fill(plans, glue, add, matrix),
+            Some(glue) => rows::fill(plans, glue, add, matrix),
         }
     }
 }
@@ -96,12 +96,12 @@ impl Patch<'_> {
         let count = (strips[1].len()..).find(|count| (strips[0].len() * count).is_multiple_of(threads)).unwrap_or(1);
         let even = middle.div_ceil(count);
         if even >= NARROW * write.to.middle.active {
-            strips[1] = strip::cut(middle, even);
+            strips[1] = sweep::cut(middle, even);
         }
         let plane = self.axes.len() == 2;
         // in the plane there is no other way to share the work; every march starts some elements early
         let slabs = if plane && threads > 1 { (TASKS_PER_THREAD * threads).min(rows / ROWS_AT_LEAST).max(1) } else { 1 };
-        let mut parts = write.parts(&strips, &strip::cut(rows, rows.div_ceil(slabs)), values);
+        let mut parts = write.parts(&strips, &sweep::cut(rows, rows.div_ceil(slabs)), values);
         // inside the pool, so that no pass has to enter it
         rayon::scope(|_| {
             // parts that would leave some threads without one are shared by all
@@ -176,4 +176,37 @@ impl Write<'_> {
             }
         });
     }
+}
+
+/// Row pointers and columns of scalar functions on the product of `to`.
+pub(super) fn pattern(to: Directions<'_>) -> (Vec<usize>, Buffer<u32>) {
+    let (n0, n1, n2) = (to.fast.functions, to.middle.functions, to.slow.functions);
+    let length = |columns: (usize, usize)| columns.1 - columns.0;
+    let mut ptr = Vec::with_capacity(n0 * n1 * n2 + 1);
+    let mut next = 0;
+    ptr.push(next);
+    for slow in 0..n2 {
+        for middle in 0..n1 {
+            let runs = length(to.middle.columns[middle]) * length(to.slow.columns[slow]);
+            for fast in 0..n0 {
+                next += runs * length(to.fast.columns[fast]);
+                ptr.push(next);
+            }
+        }
+    }
+    let mut cols = Buffer::zeros(next);
+    each_row(&ptr, &mut cols, |i, out| {
+        let (fast, middle, slow) = (to.fast.columns[i % n0], to.middle.columns[i / n0 % n1], to.slow.columns[i / n0 / n1]);
+        let mut runs = out.chunks_exact_mut(length(fast).max(1));
+        for j2 in slow.0..slow.1 {
+            for j1 in middle.0..middle.1 {
+                let first = (fast.0 + n0 * (j1 + n1 * j2)) as u32;
+                let run = runs.next().expect("one run per pair of the other directions");
+                for (k, col) in run.iter_mut().enumerate() {
+                    *col = first + k as u32;
+                }
+            }
+        }
+    });
+    (ptr, cols)
 }

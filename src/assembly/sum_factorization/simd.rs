@@ -1,8 +1,29 @@
-//! Vectors of lanes that start on a cache line: loads and stores of 64 bytes then touch one line, not two.
+//! Helpers of the SIMD kernels, and vectors of lanes that start on a cache line: loads and stores of 64 bytes then touch one line, not two.
 
 use pulp::bytemuck;
 use std::marker::PhantomData;
 use std::ops::{Deref, DerefMut};
+
+/// Components that one contraction along the fastest direction sums at once.
+pub(super) const COMPONENTS_AT_ONCE: usize = 3;
+
+/// A table of NP numbers per point as rows.
+#[inline(always)]
+pub(super) fn rows<const NP: usize>(table: &[f64]) -> &[[f64; NP]] {
+    table.as_chunks::<NP>().0
+}
+
+/// Whether the processor has SIMD lanes, which the kernels need.
+pub(in crate::assembly) fn available() -> bool {
+    struct HasLanes;
+    impl pulp::WithSimd for HasLanes {
+        type Output = bool;
+        fn with_simd<S: pulp::Simd>(self, _: S) -> bool {
+            !S::IS_SCALAR
+        }
+    }
+    pulp::Arch::new().dispatch(HasLanes)
+}
 
 /// Bytes of a cache line, and numbers.
 const LINE: usize = 64;

@@ -1,8 +1,101 @@
-//! Patches glued to one body: the numbers of their functions in the whole, and the pattern of the union.
+//! Numbers of the functions of patches: in a basis, checked; in the whole of several patches that are glued, with the pattern of the
+//! union; and in a vector of unknowns, with their weights.
 
-use super::Patch;
+use super::{Patch, Patches};
 use crate::assembly::pattern::each_row;
+use crate::basis::{Basis, TensorPatch};
+use crate::linalg::{Real, lit, to_f64};
 use rayon::prelude::*;
+
+/// The patches of `basis`, or the one block that covers it; `None` where they do not cover all elements, or where the basis
+/// numbers its functions in another way than they say.
+///
+/// What patches say is trusted by everything that follows, so it is checked on elements that reach every function.
+pub(in crate::assembly) fn patches<const N: usize, T: Real, B: Basis<N, T> + ?Sized>(basis: &B) -> Option<Vec<TensorPatch<'_, N, T>>> {
+    let (elements, functions) = (basis.num_elements(), basis.num_functions());
+    if elements == 0 || u32::try_from(functions).is_err() {
+        return None;
+    }
+    let parts = match basis.structure().patches() {
+        Some(parts) => parts,
+        None => {
+            let block = basis.structure().block(0)?;
+            let ids = (0..block.axes.iter().map(|a| a.num_functions()).product()).collect();
+            vec![TensorPatch { block, ids }]
+        }
+    };
+    let mut next = 0;
+    for part in &parts {
+        let counts = part.block.axes.map(|a| a.num_elements());
+        if part.block.first != next || next + counts.iter().product::<usize>() > elements || !agrees(basis, part) {
+            return None;
+        }
+        next += counts.iter().product::<usize>();
+    }
+    (next == elements).then_some(parts)
+}
+
+/// Whether `ids` are all functions in their order.
+pub(in crate::assembly) fn is_whole(ids: &[usize], functions: usize) -> bool {
+    ids.len() == functions && ids.iter().enumerate().all(|(i, &id)| i == id)
+}
+
+/// Whether the elements of a patch have the functions that its numbers say.
+fn agrees<const N: usize, T: Real, B: Basis<N, T> + ?Sized>(basis: &B, part: &TensorPatch<'_, N, T>) -> bool {
+    let (elements, functions) = (part.block.axes.map(|a| a.num_elements()), part.block.axes.map(|a| a.num_functions()));
+    if part.ids.len() != functions.iter().product::<usize>() || part.ids.iter().any(|&id| id >= basis.num_functions()) {
+        return false;
+    }
+    let mut ids = Vec::new();
+    // (element, its first and last function) along every axis
+    let reach = part.block.axes.map(|axis| {
+        let (mut chosen, mut reached) = (Vec::new(), 0);
+        let mut last = None;
+        for e in 0..axis.num_elements() {
+            axis.active(e, &mut ids);
+            let (Some(&from), Some(&to)) = (ids.first(), ids.last()) else { continue };
+            if from > reached {
+                chosen.extend(last.take());
+            }
+            reached = chosen.last().map_or(0, |&(_, _, to): &(usize, usize, usize)| to + 1);
+            last = Some((e, from, to));
+        }
+        chosen.extend(last);
+        chosen
+    });
+    let (mut own, mut lines) = (Vec::new(), [0; N]);
+    for chosen in 0..reach.iter().map(Vec::len).product() {
+        let mut rest = chosen;
+        for k in 0..N {
+            lines[k] = rest % reach[k].len();
+            rest /= reach[k].len();
+        }
+        let at: [(usize, usize, usize); N] = std::array::from_fn(|k| reach[k][lines[k]]);
+        let element = (0..N).rev().fold(0, |e, k| e * elements[k] + at[k].0);
+        own.clear();
+        let widths = at.map(|(_, from, to)| to + 1 - from);
+        for mut rest in 0..widths.iter().product() {
+            let (mut id, mut stride) = (0, 1);
+            for k in 0..N {
+                id += stride * (at[k].1 + rest % widths[k]);
+                (rest, stride) = (rest / widths[k], stride * functions[k]);
+            }
+            own.push(id);
+        }
+        if own.iter().any(|&i| i >= part.ids.len()) {
+            return false;
+        }
+        own.iter_mut().for_each(|i| *i = part.ids[*i]);
+        basis.active(part.block.first + element, &mut ids);
+        ids.sort_unstable();
+        own.sort_unstable();
+        own.dedup();
+        if own != ids {
+            return false;
+        }
+    }
+    true
+}
 
 /// Rows whose neighbours are gathered by one task.
 const ROWS_AT_ONCE: usize = 512;
@@ -153,4 +246,69 @@ fn columns<'a>(patches: &'a [Patch<'_>]) -> impl Iterator<Item = (usize, usize)>
         let to = patch.directions();
         [to.fast, to.middle, to.slow].into_iter().flat_map(|axis| axis.columns.iter().copied())
     })
+}
+
+/// Unknowns of a patch within the whole.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PatchNumbering<'a> {
+    /// Number in the whole of every function of the patch; `None` if they are the same.
+    pub ids: Option<&'a [u32]>,
+    /// One weight per function of a rational basis.
+    pub weights: Option<&'a [f64]>,
+    /// Numbers per function.
+    pub width: usize,
+}
+
+impl PatchNumbering<'_> {
+    /// Reads the coefficients of the patch's functions times their weights, from number `from` of the patch on; an empty `u` is zero.
+    pub fn read<T: Real>(&self, u: &[T], from: usize, to: &mut [f64]) {
+        if u.is_empty() {
+            to.fill(0.0);
+            return;
+        }
+        match self.ids {
+            None => {
+                let u = &u[from..from + to.len()];
+                to.iter_mut().zip(u).for_each(|(to, &u)| *to = to_f64(u));
+            }
+            Some(ids) => {
+                for (k, to) in (from..).zip(to.iter_mut()) {
+                    *to = to_f64(u[self.width * ids[k / self.width] as usize + k % self.width]);
+                }
+            }
+        }
+        if let Some(weights) = self.weights {
+            to.iter_mut().enumerate().for_each(|(k, to)| *to *= weights[(from + k) / self.width]);
+        }
+    }
+
+    /// Calls `sum` with zeroed numbers of the patch and adds the result times the weights to `out`, which is zero before
+    /// the first patch.
+    pub fn add<T: Real>(&self, functions: usize, out: &mut [T], sum: impl FnOnce(&mut [T])) {
+        let Some(ids) = self.ids else {
+            sum(out);
+            self.scale(out);
+            return;
+        };
+        let mut own = vec![T::zero(); self.width * functions];
+        sum(&mut own);
+        self.scale(&mut own);
+        for (own, &id) in own.chunks_exact(self.width).zip(ids) {
+            out[self.width * id as usize..].iter_mut().zip(own).for_each(|(out, &own)| *out += own);
+        }
+    }
+
+    fn scale<T: Real>(&self, out: &mut [T]) {
+        if let Some(weights) = self.weights {
+            out.chunks_exact_mut(self.width).zip(weights).for_each(|(out, &w)| out.iter_mut().for_each(|v| *v *= lit(w)));
+        }
+    }
+}
+
+impl Patches<'_> {
+    /// The unknowns of patch `k` for fields of `width` components.
+    pub(super) fn part(&self, k: usize, width: usize) -> PatchNumbering<'_> {
+        let ids = self.glue.as_ref().map(|glue| &glue.ids[glue.first[k]..glue.first[k + 1]]);
+        PatchNumbering { ids, weights: self.patches[k].weight.as_ref().map(|(_, weights)| &weights[..]), width }
+    }
 }
