@@ -157,7 +157,7 @@ impl Saddle {
             let first = [alone(&mut bodies, &self.stiffness, &mut x), timed(|| whole.solve(&system(&self.stiffness)).unwrap()).1];
             let again = alone(&mut bodies, &next, &mut x);
             let (solution, time) = timed(|| whole.solve(&system(&next)).unwrap());
-            assert_eq!(whole.analyses(), 1);
+            assert_eq!(whole.num_symbolic_factorizations(), 1);
             times.push([first[0], first[1], again, time]);
             (residual, condition) = (solution.residual, solution.condition);
             entries = [bodies.factor_entries(), whole.factor_entries()];

@@ -48,8 +48,8 @@ impl Condensed {
     }
 
     /// Number of symbolic analyses so far.
-    pub fn analyses(&self) -> usize {
-        self.ldlt.analyses()
+    pub fn num_symbolic_factorizations(&self) -> usize {
+        self.ldlt.num_symbolic_factorizations()
     }
 }
 

@@ -71,8 +71,8 @@ impl Direct {
     }
 
     /// Number of symbolic analyses so far.
-    pub fn analyses(&self) -> usize {
-        self.ldlt.analyses() + self.interface.analyses()
+    pub fn num_symbolic_factorizations(&self) -> usize {
+        self.ldlt.num_symbolic_factorizations() + self.interface.num_symbolic_factorizations()
     }
 
     /// Number of factorisations of symmetric matrices so far.

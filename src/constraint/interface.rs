@@ -123,8 +123,8 @@ impl Default for Interface {
 
 impl Interface {
     /// Number of symbolic analyses so far.
-    pub fn analyses(&self) -> usize {
-        self.before[0] + self.ldlt.analyses()
+    pub fn num_symbolic_factorizations(&self) -> usize {
+        self.before[0] + self.ldlt.num_symbolic_factorizations()
     }
 
     /// Number of numerical factorisations so far.
@@ -185,7 +185,7 @@ impl Interface {
 
     /// Drops the factor, and rules out S for the current values.
     fn give_up(&mut self) {
-        self.before = [self.analyses(), self.factorisations()];
+        self.before = [self.num_symbolic_factorizations(), self.factorisations()];
         self.ldlt = Ldlt::new();
         if let Some(held) = &mut self.held {
             (held.regular, held.complement) = (false, None);
@@ -645,7 +645,10 @@ mod tests {
                     assert!((a / b - 1.0).abs() < 1e-5, "condition {a} and {b}");
                 }
                 let work = direct.interface_work();
-                assert_eq!((work.rows, work.sets, work.complements, direct.factorisations(), direct.analyses()), (contact, 7, 1, 1, 1));
+                assert_eq!(
+                    (work.rows, work.sets, work.complements, direct.factorisations(), direct.num_symbolic_factorizations()),
+                    (contact, 7, 1, 1, 1)
+                );
                 // another load and other gaps: the same factor
                 sheets.load.iter_mut().for_each(|f| *f = 0.3 - *f);
                 sheets.offset.iter_mut().for_each(|g| *g *= 0.5);
@@ -720,6 +723,6 @@ mod tests {
         assert_eq!(found.unknowns, chain.alone(&closed).unwrap().unknowns);
         assert_eq!(direct.interface_work().sets, 0);
         direct.solve_set(&chain.system(), &vec![true; n], true).unwrap();
-        assert_eq!(direct.analyses(), 1, "no analysis is needed to see that");
+        assert_eq!(direct.num_symbolic_factorizations(), 1, "no analysis is needed to see that");
     }
 }

@@ -159,7 +159,7 @@ impl ActiveSetReport {
     }
 
     /// Rows that violate the contact conditions after each system: in tension, or penetrating.
-    pub fn wrong(&self) -> impl Iterator<Item = usize> {
+    pub fn violated(&self) -> impl Iterator<Item = usize> {
         self.sign_cases.iter().map(|c| c[2] + c[5] + c[6] + c[7] + c[8])
     }
 }

@@ -70,8 +70,8 @@ impl Schur {
     }
 
     /// Number of symbolic analyses of the stiffness so far.
-    pub fn analyses(&self) -> usize {
-        self.stiffness.analyses() + self.penalised.analyses()
+    pub fn num_symbolic_factorizations(&self) -> usize {
+        self.stiffness.num_symbolic_factorizations() + self.penalised.num_symbolic_factorizations()
     }
 
     /// Number of factorisations of the stiffness so far.

@@ -186,12 +186,12 @@ impl<const S: usize, const N: usize, T: Real> ContactRows<S, N, T> {
     }
 
     /// Tᵀ C for rows C in the functions of the multiplier: the rows for a constraint solver.
-    pub fn turned<'a>(&self, rows: &'a Rows<T>) -> Cow<'a, Rows<T>> {
+    pub fn transformed<'a>(&self, rows: &'a Rows<T>) -> Cow<'a, Rows<T>> {
         match &self.turn.inverse {
             None => Cow::Borrowed(rows),
             Some((_, lu)) => Cow::Owned(Rows {
-                slave: turned(&rows.slave, &self.turn.functions, lu),
-                master: turned(&rows.master, &self.turn.functions, lu),
+                slave: transformed(&rows.slave, &self.turn.functions, lu),
+                master: transformed(&rows.master, &self.turn.functions, lu),
             }),
         }
     }
@@ -286,7 +286,7 @@ fn restricted<T: Real>(all: &Csr<T>, functions: &[usize]) -> Csr<T> {
 }
 
 /// Tᵀ C, one solve per column of C.
-fn turned<T: Real>(rows: &Triplets<T>, functions: &[usize], lu: &ProfileLu<T>) -> Triplets<T> {
+fn transformed<T: Real>(rows: &Triplets<T>, functions: &[usize], lu: &ProfileLu<T>) -> Triplets<T> {
     let mut number = vec![usize::MAX; rows.rows];
     functions.iter().enumerate().for_each(|(k, &j)| number[j] = k);
     let mut columns: Vec<(usize, usize, T)> =

@@ -53,7 +53,7 @@ impl Ldlt {
     }
 
     /// Number of symbolic analyses so far.
-    pub fn analyses(&self) -> usize {
+    pub fn num_symbolic_factorizations(&self) -> usize {
         self.analyses
     }
 

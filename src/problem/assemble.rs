@@ -12,7 +12,7 @@ use super::handles::{InterfaceId, Statement};
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
 use super::model::{BodySide, ContactModel, Model, TieModel};
-use super::obstacle::{MovingObstacle, Pressed};
+use super::obstacle::{ForceDriven, MovingObstacle};
 use super::places::Places;
 use super::solved::Common;
 use super::tie_part::TieCounts;
@@ -275,7 +275,7 @@ fn of_slave<const S: usize, const N: usize>(
 fn obstacle<const S: usize, const N: usize>(contact: &Contact<S, N>, unknown: usize) -> MovingObstacle<S, N> {
     let Faced::Obstacle { at_rest, changes } = &contact.own.faced else { unreachable!("the contact faces an obstacle") };
     let pressed = contact.own.forces.iter().enumerate();
-    let pressed = pressed.map(|(k, (component, force))| Pressed { component: *component, unknown: unknown + k, force: force.clone() });
+    let pressed = pressed.map(|(k, (component, force))| ForceDriven { component: *component, unknown: unknown + k, force: force.clone() });
     let mut motion = vec![None; N];
     for (component, by) in &contact.own.motion {
         motion[*component] = Some(by.clone());

@@ -7,7 +7,7 @@ use crate::linalg::Vector;
 
 /// A component in which a force presses an obstacle: its translation is an unknown.
 #[derive(Clone, Debug)]
-pub struct Pressed {
+pub struct ForceDriven {
     /// The component.
     pub component: usize,
     /// The unknown of the model.
@@ -23,7 +23,7 @@ pub struct MovingObstacle<const S: usize, const N: usize> {
     /// Prescribed translation per component.
     pub motion: Vec<Option<Data>>,
     /// Components in which forces press it.
-    pub pressed: Vec<Pressed>,
+    pub pressed: Vec<ForceDriven>,
     /// Whether it changes with the time, forces apart.
     pub changes: bool,
 }

@@ -55,10 +55,10 @@ impl<const S: usize, const N: usize> InterfaceSystem<S, N> {
             let mut parts = Vec::with_capacity(contact.parts.len());
             for part in &contact.parts {
                 let built = contact.at_place(model, part, t, place)?;
-                let turned = built.turned(&built.rows);
-                append(&mut rows, &turned, part.first_row);
-                let pulls = built.reaction.as_ref().map(|b| built.turned(b));
-                append(&mut reaction, pulls.as_ref().unwrap_or(&turned), part.first_row);
+                let transformed = built.transformed(&built.rows);
+                append(&mut rows, &transformed, part.first_row);
+                let pulls = built.reaction.as_ref().map(|b| built.transformed(b));
+                append(&mut reaction, pulls.as_ref().unwrap_or(&transformed), part.first_row);
                 differs |= built.reaction.is_some();
                 let (own, weights) = (built.transformed_offset(), built.transformed_weights());
                 for (j, (&g, k)) in own.iter().zip(built.kinds()).enumerate() {

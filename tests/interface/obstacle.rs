@@ -109,7 +109,7 @@ fn obstacle_problem_meets_the_four_published_sizes_of_the_active_set() {
     assert_eq!(report.iterations, 19);
     assert_eq!(report.history[18], 5399, "found after deal.II's iteration 17");
     assert_eq!(solution.active.iter().filter(|&&a| a).count(), 5399, "found again after iteration 18");
-    assert_eq!(solver.inner.0.analyses(), 1, "open rows keep the pattern");
+    assert_eq!(solver.inner.0.num_symbolic_factorizations(), 1, "open rows keep the pattern");
 }
 
 #[test]

@@ -189,7 +189,7 @@ fn memory_is_predicted_by_the_analysis_that_the_solve_then_uses() {
     let mut solver = ActiveSet::new(Direct::new());
     let bytes = solver.inner.predicted_memory(&blocks.system()).unwrap();
     solver.solve(&blocks.system()).unwrap();
-    assert_eq!(solver.inner.analyses(), 1);
+    assert_eq!(solver.inner.num_symbolic_factorizations(), 1);
     let factor = 8 * solver.inner.factor_entries();
     assert!(bytes > factor && bytes < 10 * factor, "{bytes} bytes, factor {factor}");
 }
@@ -259,7 +259,7 @@ fn a_tilting_block_opens_in_part_with_equal_states_of_both_solvers_and_one_analy
     assert!(active > 0 && active < a.active.len(), "{:?}", a.active);
     assert_eq!(a.active, b.active);
     assert!(differences(&blocks, &a, &b).iter().all(|&x| x < 1e-9));
-    assert_eq!(direct.inner.analyses(), 1);
+    assert_eq!(direct.inner.num_symbolic_factorizations(), 1);
     let report = a.active_set.unwrap();
     let cases = report.sign_cases.last().unwrap();
     // at rest every row is closed under pressure (0) or open without (4)
@@ -280,7 +280,7 @@ fn an_active_set_stops_before_the_system_its_watcher_refuses_and_keeps_its_last_
     for allowed in 0..whole.iterations {
         let mut seen = Vec::new();
         let error = ActiveSet::new(Silent(Direct::new()))
-            .solve_watched(&blocks.system(), &mut |news| {
+            .solve_observed(&blocks.system(), &mut |news| {
                 seen.push(news.active);
                 assert_eq!((news.iteration, news.rows), (seen.len(), blocks.offset.len()));
                 news.iteration <= allowed

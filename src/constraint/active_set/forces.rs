@@ -95,7 +95,7 @@ pub(super) struct Forces {
 
 impl Forces {
     /// Rows that leave their state: active next iff p + c q < 0. A row with p = q = 0 keeps its state.
-    pub fn wrong(&self, c: f64) -> Vec<usize> {
+    pub fn violated(&self, c: f64) -> Vec<usize> {
         let changes = |k: &usize| {
             let (p, q, zero) = (self.multiplier[*k], self.gap[*k], self.zero[*k]);
             (p.abs() > zero || q.abs() > zero) && (p + c * q < 0.0) != self.closed[*k]

@@ -118,7 +118,7 @@ impl<C: ConstraintSolver<f64>> ConstraintSolver<f64> for ActiveSet<C> {
     }
 
     fn solve(&mut self, system: &ConstrainedSystem<'_, f64>) -> Result<ConstrainedSolution<f64>, SolveError> {
-        self.solve_watched(system, &mut |_| true)
+        self.solve_observed(system, &mut |_| true)
     }
 }
 
@@ -168,7 +168,7 @@ impl<C: ConstraintSolver<f64>> ActiveSet<C> {
     ///
     /// # Errors
     /// [`SolveError::Stopped`] if `goes_on` returns false, and all others of [`ConstraintSolver::solve`].
-    pub fn solve_watched(
+    pub fn solve_observed(
         &mut self,
         system: &ConstrainedSystem<'_, f64>,
         goes_on: &mut dyn FnMut(SetIteration) -> bool,

@@ -103,7 +103,7 @@ impl Pivot {
 
     /// States to try after `state`, the one of system `iteration`; `rows`: numbers of the contact rows in the system.
     pub fn next(&mut self, state: &[bool], forces: &Forces, c: f64, iteration: usize, rows: &[usize]) -> Next {
-        let wrong = forces.wrong(c);
+        let wrong = forces.violated(c);
         self.states.push(state.to_vec());
         self.counts.push(wrong.len());
         self.visited.insert(state.to_vec(), iteration);

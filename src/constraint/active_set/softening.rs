@@ -42,7 +42,7 @@ impl<'a, C: ConstraintSolver<f64>> Softening<'a, C> {
         let (done, limit) = (self.done, self.set.max_iterations);
         let (mut last, watch) = (0, &mut *self.watch);
         self.set.max_iterations = most;
-        let solved = self.set.solve_watched(system, &mut |news: SetIteration| {
+        let solved = self.set.solve_observed(system, &mut |news: SetIteration| {
             last = news.iteration;
             watch(done, news)
         });

@@ -9,7 +9,7 @@ pub fn summary(report: &ActiveSetReport) -> ActiveSetSummary {
         iterations: report.iterations,
         history: report.history.clone(),
         sets: report.sets.clone(),
-        wrong: report.wrong().collect(),
+        wrong: report.violated().collect(),
         sign_cases: report.sign_cases.clone(),
         cycles: report.cycles().count(),
         best: report.best,
@@ -50,7 +50,7 @@ fn note_of(one: &str, event: &ActiveSetEvent) -> String {
 /// Lines for the log: every iteration with its sign cases, then the events.
 pub fn lines(report: &ActiveSetReport) -> Vec<String> {
     let mut lines = vec!["active set: iteration, active and wrong rows; rows lambda < 0, = 0, > 0 by gap = 0, > 0, < 0".to_owned()];
-    let wrong = report.wrong();
+    let wrong = report.violated();
     for (k, ((active, wrong), cases)) in report.history.iter().zip(wrong).zip(&report.sign_cases).enumerate() {
         let row = |r: usize| cases[3 * r..3 * r + 3].iter().map(usize::to_string).collect::<Vec<_>>().join(" ");
         lines.push(format!("  {:3} {active:6} {wrong:6}   {} | {} | {}", k + 1, row(0), row(1), row(2)));

@@ -85,8 +85,8 @@ fn solve(
     psi: &dyn Basis<1>,
     solver: &mut dyn ConstraintSolver,
 ) -> Result<Pressed, SolveError> {
-    let rows = contact.turned(&contact.rows).into_owned();
-    let reaction = contact.reaction.as_ref().map(|b| contact.turned(b).into_owned());
+    let rows = contact.transformed(&contact.rows).into_owned();
+    let reaction = contact.reaction.as_ref().map(|b| contact.transformed(b).into_owned());
     let solution = model.solve(&rows, reaction.as_ref(), &contact.transformed_offset(), &contact.kinds(), solver)?;
     let lambda = contact.multipliers(&solution.multipliers);
     let sent = contact.transmitted(psi, &lambda);

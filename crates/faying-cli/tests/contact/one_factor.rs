@@ -43,7 +43,7 @@ impl ConstraintSolver for Counted {
 
     fn solve_set(&mut self, system: &ConstrainedSystem<'_>, closed: &[bool], again: bool) -> Result<ConstrainedSolution, SolveError> {
         let solution = self.0.solve_set(system, closed, again);
-        *self.1.lock().unwrap() = (self.0.interface_work(), self.0.analyses(), self.0.factorisations());
+        *self.1.lock().unwrap() = (self.0.interface_work(), self.0.num_symbolic_factorizations(), self.0.factorisations());
         solution
     }
 

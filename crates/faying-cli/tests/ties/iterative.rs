@@ -350,7 +350,7 @@ fn the_schur_complement_factorises_a_stiffness_once_for_all_states_of_contact() 
     let report = solution.active_set.as_ref().unwrap();
     assert!(report.iterations > 2, "{report:?}");
     // the second look at a matrix of one pattern is what stores it for comparison
-    assert!(schur.inner.factorisations() <= 2 && schur.inner.analyses() == 1, "{}", schur.inner.factorisations());
+    assert!(schur.inner.factorisations() <= 2 && schur.inner.num_symbolic_factorizations() == 1, "{}", schur.inner.factorisations());
     let direct = ActiveSet::new(Direct::new()).solve(&blocks.system()).unwrap();
     assert!(differences(&blocks, &direct, &solution).iter().all(|&x| x < 1e-9));
     // bodies that float: one pattern, one analysis, however many rows open
@@ -358,10 +358,10 @@ fn the_schur_complement_factorises_a_stiffness_once_for_all_states_of_contact() 
     let mut schur = ActiveSet::new(Schur::default());
     let report = schur.solve(&floating.system()).unwrap().active_set.unwrap();
     assert!(report.iterations > 2);
-    assert_eq!(schur.inner.analyses(), 2, "the stiffness once, with the rows as springs once");
+    assert_eq!(schur.inner.num_symbolic_factorizations(), 2, "the stiffness once, with the rows as springs once");
     let mut uzawa = ActiveSet::new(Augmented::uzawa(Limits::default()));
     uzawa.solve(&floating.system()).unwrap();
-    assert_eq!(uzawa.inner.inner.linear.analyses(), 1);
+    assert_eq!(uzawa.inner.inner.linear.num_symbolic_factorizations(), 1);
 }
 
 // ---------------------------------------------------------------------------------------------- without symmetry
