@@ -144,44 +144,44 @@ fn held<const S: usize, const N: usize>(
     error: &ProblemError,
     at: Place,
 ) -> Option<Diagnostic> {
-    let components = builder.case.model.components();
-    let said = |k: usize| error.of.get(k).and_then(|of| places.said(*of));
-    Some(match &error.kind {
+    let name = |component: &usize| component_name(*component, builder.case.model.components());
+    let line = |k: usize, before: &str, after: &str| {
+        let at = error.of.get(k).and_then(|of| places.said(*of)?.at.in_file());
+        at.map_or(String::new(), |(line, _)| format!("{before}{line}{after}"))
+    };
+    let [own, other] = [0, 1].map(|k| error.names().get(k).map_or("?", String::as_str));
+    let (text, help) = match &error.kind {
         ErrorKind::Twice { component } => {
-            let name = component_name(*component, components);
-            let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(", first in line {line}"));
-            let text = format!("component {name} of `{}` is prescribed twice{line}", error.names()[0]);
-            builder.error("E052", text, at).with_help("drop one of the two")
+            let first = line(0, ", first in line ", "");
+            (format!("component {} of `{own}` is prescribed twice{first}", name(component)), "drop one of the two")
         }
-        ErrorKind::Held { component } => {
-            let name = component_name(*component, components);
-            let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" in line {line}"));
-            let text = format!("component {name} of `{}` is loaded, and prescribed{line} wherever the load acts", error.names()[0]);
-            builder.error("E052", text, at).with_help("each component of a side is prescribed once, or loaded")
-        }
-        ErrorKind::HeldAlong => {
-            let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" in line {line}"));
-            let text = format!("what acts on `{}` acts along directions that are held{line} wherever it acts", error.names()[0]);
-            builder.error("E052", text, at).with_help("load directions that are free, or another side: supports alone would carry this")
-        }
+        ErrorKind::Held { component } => (
+            format!(
+                "component {} of `{own}` is loaded, and prescribed{} wherever the load acts",
+                name(component),
+                line(0, " in line ", "")
+            ),
+            "each component of a side is prescribed once, or loaded",
+        ),
+        ErrorKind::HeldAlong => (
+            format!("what acts on `{own}` acts along directions that are held{} wherever it acts", line(0, " in line ", "")),
+            "load directions that are free, or another side: supports alone would carry this",
+        ),
         ErrorKind::HeldAsOne { component } => {
-            let name = component_name(*component, components);
-            let line = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" (line {line})"));
-            let [own, other] = [0, 1].map(|k| error.names().get(k).map_or("?", String::as_str));
+            let (name, line) = (name(component), line(0, " (line ", ")"));
             let text =
                 format!("`{own}` moves as one along {name}, which `{other}`{line} prescribes in a part of it: the force has no effect");
-            builder.error("E052", text, at).with_help("prescribe the component of the side itself, or leave it free where both sides meet")
+            (text, "prescribe the component of the side itself, or leave it free where both sides meet")
         }
         ErrorKind::Contradiction { defect, t, changes } => {
-            let line = |k: usize| said(k).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(" (line {line})"));
-            let others: Vec<String> = error.names().iter().skip(1).enumerate().map(|(k, name)| format!("`{name}`{}", line(k))).collect();
-            let (when, own) = (time_text(*changes, *t), &error.names()[0]);
-            let text =
-                format!("the condition on `{own}` contradicts {} where they meet, by {}{when}", others.join(" and "), short(*defect));
-            builder.error("E052", text, at).with_help("make the values agree in common points, or drop one of the conditions")
+            let others = error.names().iter().skip(1).enumerate().map(|(k, name)| format!("`{name}`{}", line(k, " (line ", ")")));
+            let (others, when, by) = (others.collect::<Vec<_>>().join(" and "), time_text(*changes, *t), short(*defect));
+            let text = format!("the condition on `{own}` contradicts {others} where they meet, by {by}{when}");
+            (text, "make the values agree in common points, or drop one of the conditions")
         }
         _ => return None,
-    })
+    };
+    Some(builder.error("E052", text, at).with_help(help))
 }
 
 /// The diagnostic of what bodies of revolution cannot have.
@@ -191,26 +191,23 @@ fn revolved<const S: usize, const N: usize>(
     error: &ProblemError,
     at: Place,
 ) -> Option<Diagnostic> {
-    Some(match &error.kind {
+    let name = error.names().first()?;
+    let (code, text, at, help) = match &error.kind {
         ErrorKind::BeyondAxis { x } => {
             let number = error.of.iter().find_map(|of| places.patch(*of))?;
-            let text = format!("patch \"{}\" has points beyond the axis x = 0, such as {}", error.names()[0], place(&x[..N]));
-            builder
-                .error("E041", text, builder.case.patches[number].geometry.at)
-                .with_help("x is the radius here: keep to x >= 0, half of the section is all of the body of revolution")
+            let text = format!("patch \"{name}\" has points beyond the axis x = 0, such as {}", place(&x[..N]));
+            let help = "x is the radius here: keep to x >= 0, half of the section is all of the body of revolution";
+            ("E041", text, builder.case.patches[number].geometry.at, help)
         }
         ErrorKind::OnAxis => {
-            let text = format!("`{}` lies on the axis x = 0, where u.x is zero and areas are", error.names()[0]);
-            builder
-                .error("E015", text, at)
-                .with_help("leave it out: u.x is held there without a word, and u.y is prescribed or free as elsewhere")
+            let text = format!("`{name}` lies on the axis x = 0, where u.x is zero and areas are");
+            ("E015", text, at, "leave it out: u.x is held there without a word, and u.y is prescribed or free as elsewhere")
         }
         ErrorKind::Radial => {
-            let text = format!("a force presses the obstacle of contact \"{}\" along x, the radius", error.names()[0]);
-            builder
-                .error("E015", text, at)
-                .with_help("bodies of revolution move along y alone; `move` takes x, as for a mandrel that opens")
+            let text = format!("a force presses the obstacle of contact \"{name}\" along x, the radius");
+            ("E015", text, at, "bodies of revolution move along y alone; `move` takes x, as for a mandrel that opens")
         }
         _ => return None,
-    })
+    };
+    Some(builder.error(code, text, at).with_help(help))
 }
