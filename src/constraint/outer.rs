@@ -69,7 +69,7 @@ pub trait RowIteration: Debug + Send {
     fn row(&self, j: usize) -> RowChange;
     /// Takes the answer and decides what follows.
     fn next(&mut self, answered: &Answered<'_>) -> Next;
-    /// Error of the multipliers at which it ends, relative to the largest.
+    /// Error of the multipliers at which it ends, relative to the largest; the check of the answer is as loose as the loosest of all.
     fn tolerance(&self) -> f64;
     /// Asks for an error of at most `tolerance`: rows of one system are as accurate as those of the strictest iteration, as an error in
     /// some is one in all. Iterations without a tolerance of their own ignore it.

@@ -25,7 +25,7 @@ pub use stress::{Stress, energy, stress_at, stresses, von_mises};
 pub struct Response<const C: usize, const N: usize, T: Real = f64> {
     /// sigma_(k,l) [force/area]; for Poisson the row k grad u.
     pub stress: Matrix<C, N, T>,
-    /// d stress / d grad_u.
+    /// d stress / d grad_u, indexed as [`Tangent`].
     pub tangent: Tangent<C, N, T>,
 }
 

@@ -5,7 +5,7 @@
 //! | [`case`] | case files: grammar, reading, changes |
 //! | [`formula`] | formulas of x, y, z and t |
 //! | [`errors`], [`codes`], [`place`] | diagnostics with code, place and help |
-//! | [`registry`] | names of backends, couplings, multipliers, solvers |
+//! | [`registry`] | names of backends, multipliers, integrations, couplings, methods, solvers, materials, obstacles |
 //! | [`lower`] | models built from cases |
 //! | [`run`], [`studies`], [`infsup`] | solution of models, studies, inf-sup tests |
 //! | [`quantities`] | quantities of probes and checks |

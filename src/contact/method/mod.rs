@@ -117,7 +117,7 @@ pub struct Begun {
     pub compliance: Vec<f64>,
     /// Whether the rows are made softer on the way to a first state: those of points, whose first guess is arbitrary.
     pub eased: bool,
-    /// Changes of the rows between systems; `None`: one solution is all.
+    /// Changes of the rows between systems, on the way to an answer of the rows without changes; `None`: one solution is all.
     pub iteration: Option<Box<dyn RowIteration>>,
 }
 
@@ -170,8 +170,9 @@ pub enum MethodError {
 /// K u + Bᵀ lambda = f,   C u + g >= 0, lambda <= 0, product zero        (rows C, reaction B, offset g)
 /// ```
 ///
-/// It makes the [rows](ContactRows), says how soft they are, and may change them from one system to the next. By default it is that of
-/// Lagrange multipliers: exact rows of multiplier functions. [`crate::check::contact_method`] checks a method on two blocks.
+/// It makes the [rows](ContactRows), says how soft they are, and may change them from one system to the next. The answer is checked against
+/// the rows with [`Begun::compliance`], without changes: laws in which the pressure is not linear in the gap do not fit. By default it is
+/// that of Lagrange multipliers: exact rows of multiplier functions. [`crate::check::contact_method`] checks a method on two blocks.
 pub trait ContactMethod<const S: usize, const N: usize>: Debug + Send + Sync {
     /// Needs that the sides must meet.
     fn needs(&self) -> Needs {

@@ -3,6 +3,8 @@
 use faying::coupling::interface::{InterfaceQuadrature, SlaveRule};
 use faying::coupling::multiplier::MultiplierKind;
 use faying::geometry::shapes::rectangle;
+use faying::linalg::Vector;
+use faying::physics::{Conductor, Jet};
 use faying::problem::{Components, Physics, Problem, Rule};
 use faying::space::{Patch, PatchSpec};
 use faying_cli::case::{Given, Key, KeyKind, ReadOptions};
@@ -94,6 +96,33 @@ fn they_have_the_numbers_of_a_program() {
         read(effective, &registry).unwrap().run(&registry).unwrap().contact.get("bar").unwrap().force,
         result.contact.get("bar").unwrap().force
     );
+}
+
+/// A bar of the law k = k0 (1 + x): -(k u')' = 0, u = ln(1 + x) / ln 2.
+#[test]
+fn a_conductor_from_outside_is_a_law_of_poissons_equation() {
+    let mut registry = Registry::default();
+    let keys = vec![Key::new("k0", KeyKind::Positive, "conductivity at x = 0")];
+    let make = |given: &Given, _: f64| {
+        let k0 = given.number("k0");
+        let law = Conductor::varying(move |x: &Vector<2>| Jet { value: k0 * (1.0 + x[0]), gradient: Vector::<2>::new(k0, 0.0) });
+        Physics::new::<1>(law).map_err(|e| Fault::new("E015", e.to_string()))
+    };
+    registry.plane.materials.add_keyed("graded", keys, Arc::new(make));
+    let text = "[model]\nphysics = \"poisson\"\ndimension = 2\n[[material]]\nname = \"m\"\nlaw = \"graded\"\nk0 = 3.0\n\
+        [[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [16, 2]\n\
+        [[boundary]]\non = \"a.left\"\ndirichlet = 0.0\n[[boundary]]\non = \"a.right\"\ndirichlet = 1.0\n\
+        [[probe]]\nname = \"u\"\nquantity = \"u at [0.5, 0.5]\"\n";
+    let result = read(text, &registry).unwrap().run(&registry).unwrap();
+    let found = result.probes.iter().find(|p| p.name == "u").unwrap().value;
+    assert!((found - 1.5_f64.log2()).abs() < 1e-5, "{found}");
+    // what has no effect beside it, and no law of this physics
+    for (old, new, part) in
+        [("k0 = 3.0", "k0 = 3.0\nconductivity = 2.0", "E015"), ("law = \"graded\"\nk0 = 3.0", "law = \"hooke\"", "E015")]
+    {
+        let error = read(&text.replace(old, new), &registry).unwrap_err();
+        assert!(error.contains(part), "{new}: {error}");
+    }
 }
 
 #[test]

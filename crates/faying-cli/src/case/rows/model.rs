@@ -82,8 +82,8 @@ pub(super) const MAPPING: KeyKind = KeyKind::Word(&[MAPPINGS[0].0, MAPPINGS[1].0
 pub(super) const POINTS: KeyKind = KeyKind::Whole(0, 60);
 
 const HOOKE: Only = Only { holds: |t, s| !s.poisson && hooke(t, s), of: "law \"hooke\" of elasticity", instead: "" };
-const CONDUCTS: Only = Only { holds: |_, s| s.poisson, of: "poisson", instead: "" };
-const SOLID: Only = Only { holds: |_, s| !s.poisson, of: "elasticity", instead: "" };
+const CONDUCTS: Only = Only { holds: |t, s| s.poisson && hooke(t, s), of: "poisson without law", instead: "" };
+const LAW: Only = Only { holds: |t, s| !s.poisson || !hooke(t, s), of: "elasticity, or a law with keys of its own", instead: "" };
 
 /// Whether a material names no law of the registry.
 fn hooke(material: &Table, scene: &Scene<'_>) -> bool {
@@ -98,7 +98,9 @@ pub(in crate::case) const MATERIAL: &[Key] = &[
     Key::new("mu", KeyKind::Formula, "shear modulus, with lambda").unit("force/area").optional("1.0").only(HOOKE),
     Key::new("conductivity", KeyKind::Formula, "k of Poisson's equation").default("1.0").only(CONDUCTS),
     Key::new("density", KeyKind::Formula, "mass per volume, for gravity").unit("mass/volume").optional("7.8e-9").symbol("rho"),
-    Key::of("law", Special::Entry(EntryFamily::Laws), "law of elasticity; default hooke").optional("\"hooke\"").only(SOLID),
+    Key::of("law", Special::Entry(EntryFamily::Laws), "law of the material; default that of Hooke or Fourier")
+        .optional("\"hooke\"")
+        .only(LAW),
     later("volumetric", Plain::Never, "\"log\"", "it belongs to laws of finite kinematics"),
     later("c1", Plain::Never, "1.0", "it belongs to laws of finite kinematics"),
     later("c2", Plain::Never, "1.0", "it belongs to laws of finite kinematics"),

@@ -90,7 +90,7 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
                 let text = format!(
                     "the penalty of contact \"{name}\" is soft: bodies sink into each other by {depth}, {share} % of {of_what}, {whole}"
                 );
-                (text, "raise `factor`, or write method = \"lagrange\" or \"augmented\"")
+                (text, "raise `factor` (or what the method has in its place), or write method = \"lagrange\" or \"augmented\"")
             } else {
                 let text = format!(
                     "the penalty of interface \"{name}\" is soft: its sides come apart by {depth} in the mean, {share} % of {of_what}, {whole}"
