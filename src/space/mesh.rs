@@ -2,7 +2,7 @@
 
 use super::grid::ElementGrid;
 use super::mesh_trace::FacetSides;
-use super::{Body, FunctionSpace, Quality, SideError, Space, Trace};
+use super::{Body, FunctionSpace, Quality, SideError, Space, Submesh, Trace};
 use crate::basis::{Basis, Cell, LagrangeLine, TensorProduct};
 use crate::geometry::{Embedded, Embedding, Geometry};
 use crate::linalg::Vector;
@@ -110,6 +110,13 @@ impl<const S: usize, const N: usize> Body<S, N> for Mesh<S, N> {
         match &self.sides {
             FacetTables::Lines(_) => self.grid.as_ref().map(ElementGrid::sides).unwrap_or_default(),
             FacetTables::Facets(sides) => sides.names(),
+        }
+    }
+
+    fn submesh(&self, name: &str) -> Option<Submesh<N>> {
+        match &self.sides {
+            FacetTables::Lines(_) => None,
+            FacetTables::Facets(sides) => sides.submesh(name),
         }
     }
 

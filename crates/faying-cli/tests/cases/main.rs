@@ -9,6 +9,7 @@ mod extremes;
 mod lessons;
 mod loads;
 mod magnitudes;
+mod mesh_places;
 mod mutated_files;
 mod mutated_runs;
 mod parity;
