@@ -1,27 +1,29 @@
-//! Values prescribed along edges and in corners of bodies.
+//! Values prescribed along edges and in corners of bodies, and at points, edges and faces of their elements.
 //!
-//! The functions of an edge or a corner are those that all its sides share. Data on an edge are projected (L2) along it, data
+//! The functions of an edge or a corner are those that all its sides share, those of points, edges and faces do not vanish there. Data on an edge are projected (L2) along it, data
 //! in a corner are one value. Sides take precedence over edges; corners determine the functions that are left.
 
 use super::dirichlet::{DirichletError, EQUAL_VALUES, Prescribed};
-use crate::basis::{Order, ShapeTable};
-use crate::geometry::{MapTable, cell};
-use crate::linalg::{LinearError, LinearSolver, Real, Triplets, Vector, lit, to_f64};
-use crate::quadrature::gauss_legendre;
-use crate::space::Trace;
+use super::rules::rule;
+use crate::basis::{Cell, Order, ShapeTable};
+use crate::geometry::{Embedding, MapTable, cell};
+use crate::linalg::{LinearError, LinearSolver, Matrix, Real, Triplets, Vector, lit, measure, to_f64};
+use crate::quadrature::{Quadrature, gauss_legendre};
+use crate::space::{Space, Submesh, Trace};
 use std::fmt::Debug;
 
 /// Functions with less than this value at a point count as zero there.
 const NO_VALUE: f64 = 1e-10;
 
-/// Points of an edge or a corner, with the functions of the body that do not vanish there.
+/// Points of an edge or a corner, or of points, edges or faces of elements, with the functions of the body that do not vanish there.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Rim<const N: usize, T: Real = f64> {
-    /// 1 for an edge, 0 for a corner.
+    /// 2 for faces, 1 for an edge, 0 for a corner.
     pub dimension: usize,
     /// Positions \[length\].
     pub x: Vec<Vector<N, T>>,
-    /// Weight of each: ds along an edge \[length\], 1 in a corner; 0 at the ends of edges, where values are only compared.
+    /// Weight of each: ds along an edge \[length\], dA on a face \[area\], 1 in a corner; 0 at the ends of edges and the corners of faces,
+    /// where values are only compared.
     pub weight: Vec<T>,
     /// (function, value) of those that do not vanish, per point.
     pub shapes: Vec<Vec<(usize, T)>>,
@@ -88,6 +90,48 @@ impl<const N: usize, T: Real> Rim<N, T> {
         rim
     }
 
+    /// Builds the points of a submesh of a body with the space `space`: of edges and faces their corners and Gauss points, degree + 1 +
+    /// `extra_points` per direction.
+    pub fn of_submesh(space: &dyn Space<N, N, T>, submesh: &Submesh<N, T>, extra_points: usize) -> Self {
+        let mut rim = Self { dimension: submesh.dimension, x: Vec::new(), weight: Vec::new(), shapes: Vec::new() };
+        for (element, corners) in &submesh.cells {
+            match submesh.dimension {
+                0 => rim.add(space, *element, corners, &|_| T::one()),
+                1 => rim.add_cell::<1>(space, *element, corners, extra_points),
+                _ => rim.add_cell::<2>(space, *element, corners, extra_points),
+            }
+        }
+        rim
+    }
+
+    /// Adds the corners of an edge or a face of an element, with weight 0, and its Gauss points.
+    fn add_cell<const D: usize>(&mut self, space: &dyn Space<N, N, T>, element: usize, corners: &[Vector<N, T>], extra_points: usize) {
+        let kind = if D == 2 && corners.len() == 3 { Cell::Simplex } else { Cell::Tensor };
+        let axes = Matrix::<N, D, T>::from_fn(|k, s| (corners[if kind == Cell::Tensor { 1 << s } else { s + 1 }] - corners[0])[k]);
+        let embedding = Embedding { element, origin: corners[0], axes };
+        let degree = space.degree(element).into_iter().max().unwrap_or(1);
+        let rules = rule::<D, T>(kind, [degree; D], [extra_points; D]);
+        let rule = rules.rule(0);
+        self.add(space, element, corners, &|_| T::zero());
+        let inside: Vec<Vector<N, T>> = rule.points.iter().map(|xi| embedding.lift(xi)).collect();
+        let first = self.weight.len();
+        self.add(space, element, &inside, &|jacobian| measure(&(jacobian * axes)));
+        self.weight[first..].iter_mut().zip(&rule.weights).for_each(|(w, v)| *w *= *v);
+    }
+
+    /// Adds points of an element, each with the weight that `weight` makes of the Jacobian of the map there.
+    fn add(&mut self, space: &dyn Space<N, N, T>, element: usize, xi: &[Vector<N, T>], weight: &dyn Fn(&Matrix<N, N, T>) -> T) {
+        let (mut ids, mut table, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
+        space.active(element, &mut ids);
+        space.evaluate(element, xi, Order::Gradients, &mut table, &mut map);
+        for q in 0..xi.len() {
+            let all = ids.iter().zip(table.values(q)).filter(|(_, v)| v.abs() > lit(NO_VALUE));
+            self.x.push(map.x[q]);
+            self.weight.push(weight(&map.jacobian[q]));
+            self.shapes.push(all.map(|(&i, &v)| (i, v)).collect());
+        }
+    }
+
     /// The functions of the body that do not vanish here, ascending.
     pub fn functions(&self) -> Vec<usize> {
         let mut all: Vec<usize> = self.shapes.iter().flatten().map(|f| f.0).collect();
@@ -97,10 +141,10 @@ impl<const N: usize, T: Real> Rim<N, T> {
     }
 }
 
-/// A component prescribed on an edge or in a corner.
+/// A component prescribed on an edge, in a corner, or at points, edges or faces of elements.
 #[derive(Clone, Copy)]
 pub struct Pinned<'a, const N: usize, T: Real = f64> {
-    /// The edge or the corner.
+    /// The place.
     pub rim: &'a Rim<N, T>,
     /// The component.
     pub component: usize,
@@ -126,7 +170,7 @@ pub(super) fn project<const N: usize, T: Real>(
     found: &mut Vec<(usize, T)>,
     solver: &mut dyn LinearSolver<T>,
 ) -> Result<(), LinearError> {
-    for dimension in [1, 0] {
+    for dimension in [2, 1, 0] {
         let mine: Vec<&Pinned<'_, N, T>> = pinned.iter().map(|p| &p.1).filter(|p| p.rim.dimension == dimension).collect();
         for p in mine.iter().filter(|p| p.value.is_none()) {
             let known = std::mem::take(found);

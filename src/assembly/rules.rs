@@ -129,7 +129,7 @@ fn true_degree<const N: usize, T: Real, X: Geometry<N, N, T> + ?Sized>(
 }
 
 /// The rule of one kind of cell.
-fn rule<const D: usize, T: Real>(cell: Cell, degree: [usize; D], extra: [usize; D]) -> Arc<dyn Quadrature<D, T>> {
+pub(super) fn rule<const D: usize, T: Real>(cell: Cell, degree: [usize; D], extra: [usize; D]) -> Arc<dyn Quadrature<D, T>> {
     match cell {
         Cell::Simplex => {
             let p = degree.iter().copied().max().unwrap_or(0);

@@ -34,7 +34,7 @@ pub use structure::{BasisStructure, Block, Listed, NoStructure, TensorPatch};
 pub use table::{Order, ShapeTable};
 pub use tensor::TensorProduct;
 pub use topology::Topology;
-pub(crate) use topology::key_of;
+pub(crate) use topology::{key_of, local_edges};
 pub use unstructured::Unstructured;
 pub(crate) use unstructured::corner_places;
 

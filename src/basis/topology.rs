@@ -42,7 +42,7 @@ pub(super) fn corner_count(cell: Cell, d: usize) -> usize {
 }
 
 /// Local corners of the edges of a cell; in the plane in the order of the cell's faces.
-pub(super) fn local_edges(cell: Cell, d: usize) -> Vec<[usize; 2]> {
+pub(crate) fn local_edges(cell: Cell, d: usize) -> Vec<[usize; 2]> {
     match (cell, d) {
         (_, 0 | 1) => Vec::new(),
         (Cell::Simplex, 2) => vec![[0, 2], [0, 1], [1, 2]],

@@ -1,6 +1,6 @@
 //! The flux sigma n of a body on one of its sides, for Nitsche's method and for tractions.
 
-use super::{Flux, FluxTable, Material, NotLinear};
+use super::{Flux, FluxTable, Material, NotLinear, hoop_strain};
 use crate::assembly::{Scratch, element_matrix, element_rule, inverse_or_nan};
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::{MapTable, circumference};
@@ -87,7 +87,7 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for 
         table.values.resize(xi.len() * C * n, T::zero());
         self.each_point(element, xi, |q, x, normal, _, values, grads| {
             let tangent = self.material.respond(x, &Matrix::zeros()).tangent;
-            let around = self.material.hoop(x).map(|hoop| hoop.coupling * normal / x[0]);
+            let around = self.material.hoop(x).map(|hoop| hoop.coupling * normal);
             for (a, grad) in grads.iter().enumerate() {
                 for e in 0..C {
                     let mut flux = Vector::<C, T>::zeros();
@@ -95,7 +95,7 @@ impl<const C: usize, const S: usize, const N: usize, T: Real> Flux<S, N, T> for 
                         flux += tangent[e][j] * normal * grad[j];
                     }
                     if let (0, Some(around)) = (e, &around) {
-                        flux += around * values[a];
+                        flux += around * hoop_strain(x, &Vector::<1, T>::new(values[a]), &grad.transpose(), T::zero());
                     }
                     for c in 0..C {
                         table.values[(q * C + c) * n + a * C + e] = flux[c];

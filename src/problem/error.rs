@@ -79,7 +79,7 @@ pub enum ErrorKind {
     NoRegion,
     /// A part of a side with triangles and quadrilaterals.
     MixedCells,
-    /// A load, a spring or a normal on an edge or in a corner.
+    /// A load but a force, a spring or a normal on an edge, in a corner, or at points, edges or faces of a mesh.
     NotASide,
     /// A force spread over sides, edges and corners together, which have no common measure.
     MixedRegion,
@@ -254,7 +254,7 @@ impl Display for ProblemError {
             ErrorKind::Side(error) => write!(f, "body \"{one}\": {error}"),
             ErrorKind::NoRegion => write!(f, "{} have no edge and no corner in common", self.names.join(", ")),
             ErrorKind::MixedCells => write!(f, "parts of `{one}`, a side of triangles and quadrilaterals, are not in this version"),
-            ErrorKind::NotASide => write!(f, "`{one}` is an edge or a corner: loads, springs and normals are those of sides"),
+            ErrorKind::NotASide => write!(f, "`{one}` is no side: loads but forces, springs and normals are those of sides"),
             ErrorKind::MixedRegion => {
                 write!(f, "a force is spread over sides, over edges or over corners, not over `{one}` and `{other}` together")
             }

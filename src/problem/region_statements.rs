@@ -1,4 +1,5 @@
-//! Statements about regions: sides of bodies, parts of them, edges, corners, and several of these as one. Each is made once.
+//! Statements about regions: sides of bodies, parts of them, edges, corners, named points, edges and faces of meshes, and several of these
+//! as one. Each is made once.
 
 use super::builder::Problem;
 use super::error::{ErrorKind, ProblemError};
@@ -9,10 +10,12 @@ use crate::assembly::{Halved, HalvedScratch};
 use crate::basis::{Cell, Order};
 use crate::geometry::{Embedding, MapTable, cell, circumference};
 use crate::linalg::{Matrix, Vector};
+use crate::space::SideError;
 use std::sync::Arc;
 
 impl<const S: usize, const N: usize> Problem<S, N> {
-    /// The region of a side, to refer to it by a handle; the same for the same side.
+    /// The region of a side, or of the points, edges or faces of a mesh that have this name, to refer to it by a handle; the same for the
+    /// same name.
     ///
     /// # Errors
     /// [`ErrorKind::Side`] for a side that does not exist, [`ErrorKind::OtherProblem`].
@@ -122,7 +125,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     fn side_number(&mut self, side: SideOf<'_>) -> Result<usize, ProblemError> {
         let body = self.number(side.body)?;
         let found = self.regions.number(&self.bodies, body, side.name);
-        found.map_err(|error| ProblemError::new(ErrorKind::Side(error), vec![side.body.into()], vec![self.bodies[body].name.clone()]))
+        found.map_err(|error| self.refused(side, error))
     }
 
     /// A side, which is made once.
@@ -130,11 +133,12 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// # Errors
     /// [`ErrorKind::Side`], [`ErrorKind::OtherProblem`].
     pub fn side(&mut self, side: SideOf<'_>) -> Result<Arc<BodySide<S, N>>, ProblemError> {
-        let number = self.side_number(side)?;
-        match self.regions.pieces(number) {
-            [Piece::Side(side)] => Ok(side.clone()),
-            _ => unreachable!("a side is one piece"),
-        }
+        let body = self.number(side.body)?;
+        self.regions.side(&self.bodies, body, side.name).map_err(|error| self.refused(side, error))
+    }
+
+    fn refused(&self, side: SideOf<'_>, error: SideError) -> ProblemError {
+        ProblemError::new(ErrorKind::Side(error), vec![side.body.into()], vec![self.bodies[side.body.number].name.clone()])
     }
 
     /// The pieces of a region.

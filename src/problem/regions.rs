@@ -1,7 +1,8 @@
 //! The regions of a problem by their numbers, and the sides of its bodies, each made once.
 
 use super::model::{BodyModel, BodyRim, BodySide};
-use crate::assembly::measure;
+use crate::assembly::{Rim, measure};
+use crate::geometry::circumference;
 use crate::space::SideError;
 use std::collections::HashMap;
 use std::fmt::{Debug, Formatter};
@@ -15,7 +16,7 @@ pub type SideNames = Arc<dyn Fn(&str) -> String + Send + Sync>;
 pub(super) enum Piece<const S: usize, const N: usize> {
     /// A side or a part of one.
     Side(Arc<BodySide<S, N>>),
-    /// An edge or a corner.
+    /// An edge or a corner, or points, edges or faces of a mesh that have a name.
     Rim(Arc<BodyRim<N>>),
 }
 
@@ -27,11 +28,24 @@ impl<const S: usize, const N: usize> Piece<S, N> {
         }
     }
 
-    /// Area or length of a side, length of an edge \[length^dimension\]; 1 of a corner.
+    /// Area or length of a side, an edge or a face \[length^dimension\]; number of corners.
     pub fn measure(&self) -> f64 {
         match self {
             Self::Side(side) => measure(&*side.trace.space, &side.rules),
             Self::Rim(rim) => rim.rim.weight.iter().sum(),
+        }
+    }
+
+    /// The piece of a body of revolution: forces along edges have the weight 2 pi r ds, as those on sides.
+    #[must_use]
+    pub fn revolved(self) -> Self {
+        match self {
+            Self::Rim(rim) if rim.rim.dimension == 1 => {
+                let mut around = (*rim).clone();
+                around.rim.weight.iter_mut().zip(&around.rim.x).for_each(|(w, x)| *w *= circumference(x));
+                Self::Rim(Arc::new(around))
+            }
+            other => other,
         }
     }
 
@@ -91,6 +105,7 @@ impl<const S: usize, const N: usize> Regions<S, N> {
         self.sides.get(&(body, side.to_owned())).copied()
     }
 
+    /// The region of a side, or of points, edges or faces that have a name.
     pub(super) fn number(&mut self, bodies: &[BodyModel<S, N>], body: usize, side: &str) -> Result<usize, SideError> {
         if let Some(known) = self.known(body, side) {
             return Ok(known);
@@ -99,8 +114,15 @@ impl<const S: usize, const N: usize> Regions<S, N> {
             Some(name) => format!("{}.{}", bodies[body].name, name(side)),
             None => format!("{}.{side}", bodies[body].name),
         };
-        let made = Arc::new(BodySide::new(&bodies[body], body, side, label)?);
-        let number = self.add(vec![Piece::Side(made)]);
+        let made = match (BodySide::new(&bodies[body], body, side, label.clone()), bodies[body].body.submesh(side)) {
+            (Ok(made), _) => Piece::Side(Arc::new(made)),
+            (Err(_), Some(submesh)) => {
+                let rim = Rim::of_submesh(&**bodies[body].body.space(), &submesh, bodies[body].extra_points);
+                Piece::Rim(Arc::new(BodyRim { patch: body, name: side.to_owned(), label, rim }))
+            }
+            (Err(error), None) => return Err(error),
+        };
+        let number = self.add(vec![made]);
         self.sides.insert((body, side.to_owned()), number);
         Ok(number)
     }
@@ -113,7 +135,7 @@ impl<const S: usize, const N: usize> Regions<S, N> {
         let number = self.number(bodies, body, side)?;
         match &self.list[number][..] {
             [Piece::Side(side)] => Ok(side.clone()),
-            _ => unreachable!("a side is one piece"),
+            _ => Err(bodies[body].body.trace(side).expect_err("what has a trace is a side")),
         }
     }
 }

@@ -183,6 +183,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// Those of [`fix`](Self::fix), and [`ErrorKind::MixedRegion`] for a region of sides and edges, edges and corners, or sides and corners.
     pub fn force<'a>(&mut self, on: impl Into<Region<'a>>, component: usize, force: impl Into<Data>) -> Result<Statement, ProblemError> {
         let (pieces, component, force) = (self.pieces(on.into())?, self.component(component)?, force.into());
+        let is_revolved = self.is_revolved;
+        let pieces: Vec<Piece<S, N>> = pieces.into_iter().map(|piece| if is_revolved { piece.revolved() } else { piece }).collect();
         let dimension = |piece: &Piece<S, N>| match piece {
             Piece::Side(_) => S,
             Piece::Rim(rim) => rim.rim.dimension,

@@ -1,6 +1,6 @@
 //! Data of a mesh: points, cells with their nodes, named facets.
 
-use crate::basis::Cell;
+use crate::basis::{Cell, key_of};
 use crate::linalg::Vector;
 
 /// Cells of one shape and order with their nodes.
@@ -17,13 +17,31 @@ pub struct CellBlock {
     pub nodes: Vec<usize>,
 }
 
-/// Facets under a name: a side of the body.
+/// Facets under a name: a side of the body where they lie on its boundary. Of one corner, or of two in space, they are points and edges:
+/// none of its sides, but a place of supports and forces, as facets inside are.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FacetTag {
     /// Its name.
     pub name: String,
     /// Corner points of every facet in any order; `usize::MAX` where a facet has fewer than four corners.
     pub corners: Vec<[usize; 4]>,
+}
+
+impl FacetTag {
+    /// 0 for points, 1 for edges, 2 for faces; `None` if it is empty.
+    pub fn dimension(&self) -> Option<usize> {
+        let corners = self.corners.first()?.iter().filter(|&&p| p != usize::MAX).count();
+        Some(corners.saturating_sub(1).min(2))
+    }
+
+    /// Keys of the facets in vertices; `None` for one with a point that is no vertex. `vertex` gives the vertex at a point.
+    pub(super) fn keys<'a>(&'a self, vertex: &'a [usize]) -> impl Iterator<Item = Option<[usize; 4]>> + 'a {
+        let at = |p: usize| vertex.get(p).copied().filter(|&v| v != usize::MAX);
+        self.corners.iter().map(move |points| {
+            let corners = points.iter().filter(|&&p| p != usize::MAX).map(|&p| at(p));
+            Some(key_of(corners.collect::<Option<Vec<usize>>>()?.into_iter()))
+        })
+    }
 }
 
 /// A mesh of cells of dimension N in N dimensions, as stored in mesh files.
@@ -35,6 +53,6 @@ pub struct MeshCells<const N: usize> {
     pub points: Vec<Vector<N>>,
     /// The cells; elements of a mesh made of them are numbered in this order.
     pub blocks: Vec<CellBlock>,
-    /// Named sides, which may overlap.
+    /// Named sides, and edges and points, which may overlap.
     pub tags: Vec<FacetTag>,
 }

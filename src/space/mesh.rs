@@ -2,7 +2,9 @@
 
 use super::grid::ElementGrid;
 use super::mesh_trace::FacetSides;
-use super::{Body, Dimension, FunctionSpace, Mapping, MeshCells, MeshError, PatchSpec, Quality, SideError, Space, SpecError, Trace};
+use super::{
+    Body, Dimension, FunctionSpace, Mapping, MeshCells, MeshError, PatchSpec, Quality, SideError, Space, SpecError, Submesh, Trace,
+};
 use crate::basis::{Basis, Cell, LagrangeLine, TensorProduct};
 use crate::geometry::{Embedded, Embedding, Geometry};
 use crate::linalg::Vector;
@@ -164,6 +166,13 @@ where
         match &self.sides {
             FacetTables::Lines(_) => self.grid.as_ref().map(ElementGrid::sides).unwrap_or_default(),
             FacetTables::Facets(sides) => sides.names(),
+        }
+    }
+
+    fn submesh(&self, name: &str) -> Option<Submesh<N>> {
+        match &self.sides {
+            FacetTables::Lines(_) => None,
+            FacetTables::Facets(sides) => sides.submesh(name),
         }
     }
 

@@ -101,8 +101,8 @@ pub enum MeshError {
         /// Position; coordinates beyond the dimension are zero.
         at: [f64; 3],
     },
-    /// A facet of a side belongs to no cell.
-    #[error("facet {facet} of side `{tag}` is no facet of any cell")]
+    /// A facet, an edge or a point of a tag belongs to no cell.
+    #[error("facet {facet} of `{tag}` is no facet, edge or corner of any cell")]
     NoFacet {
         /// The side.
         tag: String,

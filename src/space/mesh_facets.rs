@@ -2,9 +2,9 @@
 
 use super::mesh_error::place;
 use super::{FacetTag, MeshError};
-use crate::basis::{Cell, Topology, key_of};
+use crate::basis::{Cell, Topology, key_of, local_edges};
 use crate::linalg::Vector;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Local corners of a face of a right-handed cell, counter-clockwise seen from outside (in the plane: with the cell on the left).
 pub(super) fn outward_corners(cell: Cell, dimension: usize, face: usize) -> &'static [usize] {
@@ -18,6 +18,13 @@ pub(super) fn outward_corners(cell: Cell, dimension: usize, face: usize) -> &'st
         (Cell::Tensor, _) => CUBE[face],
         (Cell::Simplex, _) => TETRAHEDRON[face],
     }
+}
+
+/// The local corners of a facet in the order of its own cell; its axes cross outwards.
+pub(super) fn tensor_order<const N: usize>(topology: &Topology<N>, (cell, face): FaceOf) -> impl Iterator<Item = usize> + use<N> {
+    let around = outward_corners(topology.cell(cell), N, face);
+    let n = around.len();
+    (0..n).map(move |k| if n == 4 { around[[0, 1, 3, 2][k]] } else { around[k] })
 }
 
 /// A facet by its cell and the number of its face there.
@@ -40,10 +47,21 @@ pub(super) struct Facets<'a, const N: usize> {
 pub(super) struct NamedFacets {
     /// Sides on the boundary.
     pub sides: Vec<(String, Vec<FaceOf>)>,
-    /// Tags that are no sides, with the index of their first facet inside the mesh.
-    pub interior: Vec<(String, usize)>,
+    /// Tags that are no sides.
+    pub inner: Vec<InnerTag>,
     /// Name of the side that holds all boundary facets without a tag.
     pub untagged: Option<String>,
+}
+
+/// Points, edges or faces of cells under a name that is no side.
+#[derive(Clone, Debug)]
+pub(super) struct InnerTag {
+    pub name: String,
+    pub dimension: usize,
+    /// The index in the tag of the first facet inside the mesh; `None` for points, and for edges in space.
+    pub facet: Option<usize>,
+    /// One cell of each, and its corners there as local numbers.
+    pub cells: Vec<(usize, Vec<usize>)>,
 }
 
 impl<'a, const N: usize> Facets<'a, N> {
@@ -114,7 +132,8 @@ impl<'a, const N: usize> Facets<'a, N> {
         Ok(())
     }
 
-    /// Builds the sides of `tags` and that of the remaining boundary facets; `vertex` gives the vertex at a point.
+    /// Builds the sides of `tags`, what else they name, and the side of the remaining boundary facets; `vertex` gives the vertex at a
+    /// point.
     pub fn named(&self, tags: &[FacetTag], vertex: &[usize]) -> Result<NamedFacets, MeshError> {
         let mut found = NamedFacets::default();
         let mut keys: Vec<([usize; 4], usize)> =
@@ -124,15 +143,21 @@ impl<'a, const N: usize> Facets<'a, N> {
         let mut place: HashMap<&str, usize> = HashMap::new();
         let mut tagged = vec![false; self.at.len()];
         for tag in tags {
+            if let Some(dimension) = tag.dimension().filter(|d| d + 1 < N) {
+                let new = self.lower(tag, dimension, vertex)?;
+                match found.inner.iter_mut().find(|t| t.name == tag.name && t.dimension == dimension) {
+                    Some(known) => known.cells.extend(new.cells),
+                    None => found.inner.push(new),
+                }
+                continue;
+            }
             let k = *place.entry(&tag.name).or_insert_with(|| {
                 lists.push((&tag.name, Vec::new()));
                 lists.len() - 1
             });
-            for (facet, points) in tag.corners.iter().enumerate() {
+            for (facet, key) in tag.keys(vertex).enumerate() {
                 let none = || MeshError::NoFacet { tag: tag.name.clone(), facet };
-                let corners = points.iter().filter(|&&p| p != usize::MAX);
-                let corners: Option<Vec<usize>> = corners.map(|&p| vertex.get(p).copied().filter(|&v| v != usize::MAX)).collect();
-                let key = key_of(corners.ok_or_else(none)?.into_iter());
+                let key = key.ok_or_else(none)?;
                 let at = keys.binary_search_by_key(&key, |k| k.0).map_err(|_| none())?;
                 lists[k].1.push(keys[at].1);
                 tagged[keys[at].1] = true;
@@ -142,9 +167,14 @@ impl<'a, const N: usize> Facets<'a, N> {
             if list.is_empty() {
                 return Err(MeshError::EmptyTag { tag: name.to_string() });
             }
-            match list.iter().position(|&f| self.at[f].1) {
-                Some(facet) => found.interior.push((name.to_string(), facet)),
-                None => found.sides.push((name.to_string(), self.ordered(list))),
+            let inside = list.iter().position(|&f| self.at[f].1);
+            let ordered = self.ordered(list);
+            match inside {
+                None => found.sides.push((name.to_string(), ordered)),
+                Some(_) => {
+                    let cells = ordered.into_iter().map(|of| (of.0, tensor_order(self.topology, of).collect())).collect();
+                    found.inner.push(InnerTag { name: name.to_string(), dimension: N - 1, facet: inside, cells });
+                }
             }
         }
         let rest: Vec<usize> = (0..self.at.len()).filter(|&f| !self.at[f].1 && !tagged[f]).collect();
@@ -159,13 +189,39 @@ impl<'a, const N: usize> Facets<'a, N> {
         Ok(found)
     }
 
+    /// The points, or the edges in space, of a tag, each in one of its cells.
+    fn lower(&self, tag: &FacetTag, dimension: usize, vertex: &[usize]) -> Result<InnerTag, MeshError> {
+        let mut at: HashMap<[usize; 4], Option<(usize, Vec<usize>)>> = tag.keys(vertex).flatten().map(|key| (key, None)).collect();
+        for cell in 0..self.topology.num_cells() {
+            let vertices = self.topology.vertices(cell);
+            let parts: Vec<Vec<usize>> = match dimension {
+                0 => (0..vertices.len()).map(|c| vec![c]).collect(),
+                _ => local_edges(self.topology.cell(cell), N).iter().map(|edge| edge.to_vec()).collect(),
+            };
+            for part in parts {
+                if let Some(place) = at.get_mut(&key_of(part.iter().map(|&c| vertices[c]))) {
+                    place.get_or_insert((cell, part));
+                }
+            }
+        }
+        let (mut seen, mut cells) = (HashSet::new(), Vec::with_capacity(at.len()));
+        for (facet, key) in tag.keys(vertex).enumerate() {
+            let place = key.and_then(|key| at.get(&key)?.clone());
+            let place = place.ok_or_else(|| MeshError::NoFacet { tag: tag.name.clone(), facet })?;
+            if seen.insert(key) {
+                cells.push(place);
+            }
+        }
+        Ok(InnerTag { name: tag.name.clone(), dimension, facet: None, cells })
+    }
+
     fn key(&self, of: FaceOf) -> [usize; 4] {
         key_of(vertices_of(self.topology, of))
     }
 
     /// Lists facets once each: in the plane in order along the curve, in space as given.
     fn ordered(&self, mut list: Vec<usize>) -> Vec<FaceOf> {
-        let mut seen = std::collections::HashSet::new();
+        let mut seen = HashSet::new();
         list.retain(|f| seen.insert(*f));
         let list: Vec<FaceOf> = list.into_iter().map(|f| self.at[f].0).collect();
         if N != 2 {

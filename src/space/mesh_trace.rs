@@ -1,7 +1,7 @@
 //! Traces of meshes of cells: curves and surfaces of facets with functions of their own.
 
-use super::mesh_facets::{FaceOf, NamedFacets, outward_corners};
-use super::{FunctionSpace, SideError, Space, Trace};
+use super::mesh_facets::{FaceOf, NamedFacets, tensor_order};
+use super::{FunctionSpace, SideError, Space, Submesh, Trace};
 use crate::basis::{Basis, Cell, Elements, LagrangeLine, TensorProduct, Topology, Unstructured, lattice};
 use crate::geometry::{ControlPoints, Embedded, Embedding, Geometry, cell};
 use crate::linalg::{Matrix, Vector};
@@ -31,13 +31,26 @@ impl<const N: usize> FacetSides<N> {
         self.named.sides.iter().map(|s| s.0.clone()).collect()
     }
 
+    /// The points, edges or faces of a tag that is no side.
+    pub fn submesh(&self, name: &str) -> Option<Submesh<N>> {
+        let tag = self.named.inner.iter().find(|tag| tag.name == name)?;
+        let place = |(cell, corners): &(usize, Vec<usize>)| {
+            let all = cell::corners::<N, f64>(self.basis.topology().cell(*cell));
+            (*cell, corners.iter().map(|&c| all[c]).collect())
+        };
+        Some(Submesh { dimension: tag.dimension, cells: tag.cells.iter().map(place).collect() })
+    }
+
     /// The space on a side.
     pub fn trace<const S: usize>(&self, body: &Arc<dyn Space<N, N>>, name: &str) -> Result<Trace<S, N>, SideError> {
-        if let Some(&(_, facet)) = self.named.interior.iter().find(|s| s.0 == name) {
-            return Err(SideError::Interior { facet });
-        }
         let Some((_, list)) = self.named.sides.iter().find(|s| s.0 == name) else {
-            return Err(SideError::Unknown { side: name.to_string(), known: self.names().join(", ") });
+            let Some(tag) = self.named.inner.iter().find(|tag| tag.name == name) else {
+                return Err(SideError::Unknown { side: name.to_string(), known: self.names().join(", ") });
+            };
+            return Err(match tag.facet {
+                Some(facet) => SideError::Interior { facet },
+                None => SideError::Lower { name: name.to_string(), dimension: tag.dimension },
+            });
         };
         let topology = &**self.basis.topology();
         let facets: Vec<Embedding<S, N>> = list.iter().map(|&of| facet(topology, of)).collect();
@@ -70,13 +83,6 @@ impl<const N: usize> FacetSides<N> {
 
 fn degree_of<const D: usize>(basis: &Unstructured<D>) -> usize {
     if basis.num_elements() == 0 { 1 } else { basis.degree(0)[0] }
-}
-
-/// The local corners of a facet in the order of its own cell; its axes cross outwards.
-fn tensor_order<const N: usize>(topology: &Topology<N>, (cell, face): FaceOf) -> impl Iterator<Item = usize> + use<N> {
-    let around = outward_corners(topology.cell(cell), N, face);
-    let n = around.len();
-    (0..n).map(move |k| if n == 4 { around[[0, 1, 3, 2][k]] } else { around[k] })
 }
 
 fn facet<const S: usize, const N: usize>(topology: &Topology<N>, of: FaceOf) -> Embedding<S, N> {

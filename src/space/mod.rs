@@ -26,6 +26,7 @@ mod quality;
 pub mod refine;
 mod refine_cells;
 mod spec;
+mod submesh;
 mod trace;
 
 use crate::basis::{Basis, BasisStructure, Cell, Elements, Order, Polynomials, ShapeTable};
@@ -53,6 +54,7 @@ pub use patch::Patch;
 pub use quality::{InvertedElement, Quality, measure, quality, revolved_measure};
 pub use refine_cells::{corner_places, facet_key, facets, nodes_per_cell, refine_cells};
 pub use spec::{BasisKind, MAX_DEGREE_SIMPLEX, MAX_DEGREE_SPLINE, MAX_DEGREE_TENSOR, Mapping, PatchSpec, SpecError};
+pub use submesh::Submesh;
 pub use trace::Trace;
 
 /// Scalar functions and a map on the same elements.
@@ -185,6 +187,14 @@ pub enum SideError {
         /// The facet's number.
         facet: usize,
     },
+    /// The name stands for points, or for edges of a body in space.
+    #[error("`{name}` consists of {}, it is no side", if *.dimension == 0 { "points" } else { "edges" })]
+    Lower {
+        /// The name given.
+        name: String,
+        /// Dimension of what it stands for: 0 for points, 1 for edges.
+        dimension: usize,
+    },
     /// The side is collapsed to a point or an edge.
     #[error("side `{side}` is collapsed to a point and is no side")]
     Collapsed {
@@ -204,6 +214,10 @@ pub trait Body<const S: usize, const N: usize, T: Real = f64>: Debug + Send + Sy
     /// # Errors
     /// [`SideError`] for an unknown name, a collapsed side, or a facet inside the body.
     fn trace(&self, side: &str) -> Result<Trace<S, N, T>, SideError>;
+    /// Points, edges and faces under a name that is no side; `None` if there are none.
+    fn submesh(&self, _name: &str) -> Option<Submesh<N, T>> {
+        None
+    }
     /// Quality of the map, as [`quality()`] returns it for the space; `None` if the body has not computed it.
     fn known_quality(&self) -> Option<&Quality<N>> {
         None
@@ -221,6 +235,7 @@ macro_rules! forward_body {
             fn space(&self) -> &Arc<dyn Space<N, N, T>> { (**self).space() }
             fn sides(&self) -> Vec<String> { (**self).sides() }
             fn trace(&self, side: &str) -> Result<Trace<S, N, T>, SideError> { (**self).trace(side) }
+            fn submesh(&self, name: &str) -> Option<Submesh<N, T>> { (**self).submesh(name) }
             fn known_quality(&self) -> Option<&Quality<N>> { (**self).known_quality() }
             fn is_exact(&self) -> bool { (**self).is_exact() }
         }

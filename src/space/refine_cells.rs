@@ -64,6 +64,14 @@ pub fn facets(cell: Cell, n: usize) -> Vec<Vec<usize>> {
     out
 }
 
+/// Corners of the edges of a cell in space, and its single corners, as numbers of its corners.
+fn edges_and_corners(cell: Cell, n: usize) -> Vec<Vec<usize>> {
+    let all = corners(cell, n);
+    let is_edge = |a: usize, b: usize| cell == Cell::Simplex || (0..n).filter(|&k| all[a][k] != all[b][k]).count() == 1;
+    let edges = (0..all.len()).flat_map(|b| (0..b).map(move |a| [a, b])).filter(|&[a, b]| n == 3 && is_edge(a, b));
+    edges.map(|edge| edge.to_vec()).chain((0..all.len()).map(|c| vec![c])).collect()
+}
+
 /// Key of a facet, independent of the order of its corners: sorted, padded with `usize::MAX`.
 pub fn facet_key(corners: impl Iterator<Item = usize>) -> [usize; 4] {
     let mut key = [usize::MAX; 4];
@@ -169,7 +177,7 @@ fn determinant(child: &[Steps]) -> i64 {
 
 /// Halves every cell of the mesh in every direction; the 2^N children of a cell follow each other in its place.
 ///
-/// Points of the mesh keep their numbers, new ones follow. Facets of a tag are halved with the cells; those of no cell are left out.
+/// Points of the mesh keep their numbers, new ones follow. Facets and edges of a tag are halved with the cells; those of no cell are left out.
 /// Linear in the number of cells.
 pub fn refine_cells<const N: usize>(cells: &MeshCells<N>) -> MeshCells<N> {
     let mut points = cells.points.clone();
@@ -233,8 +241,11 @@ fn refined<const N: usize>(
     // per choice of the diagonal: nodes of every child, and the children of every facet
     let kinds = if cell == Cell::Simplex && N == 3 { 3 } else { 1 };
     let nodes: Vec<Vec<usize>> = (0..kinds).map(|d| child_nodes(cell, N, order, d, &coarse, &place)).collect();
-    let halves = facet_halves(cell, N, order, &place);
-    let facets = facets(cell, N);
+    let mut facets = facets(cell, N);
+    if wanted.keys().any(|key| key[N - 1] == usize::MAX) {
+        facets.extend(edges_and_corners(cell, N));
+    }
+    let halves = facet_halves(cell, N, order, &facets, &place);
     let mut out = Vec::with_capacity(block.nodes.len() << N);
     let mut ids = vec![0; fine.len()];
     for parent in block.nodes.chunks_exact(coarse.len()) {
@@ -286,11 +297,11 @@ fn child_nodes(cell: Cell, n: usize, order: usize, diagonal: usize, coarse: &[St
     out
 }
 
-// corners of the children of every facet as indices in the fine lattice
-fn facet_halves(cell: Cell, n: usize, order: usize, place: &HashMap<Steps, usize>) -> Vec<Vec<[usize; 4]>> {
+// corners of the children of facets, edges and corners as indices in the fine lattice
+fn facet_halves(cell: Cell, n: usize, order: usize, facets: &[Vec<usize>], place: &HashMap<Steps, usize>) -> Vec<Vec<[usize; 4]>> {
     let all = corners(cell, n);
     let node = |x: Steps| place[&x.map(|v| v * order)];
-    facets(cell, n)
+    facets
         .iter()
         .map(|facet| {
             let c: Vec<Steps> = facet.iter().map(|k| all[*k]).collect();

@@ -1,4 +1,4 @@
-//! Selection of the cells of one dimension of a mesh file, with named sides.
+//! Selection of the cells of one dimension of a mesh file, with named sides, edges and points.
 
 use super::{CellShape, FileError, Group, MeshBlock, MeshFile};
 use faying::basis::Cell;
@@ -19,7 +19,9 @@ impl MeshFile {
     ///
     /// Points keep their indices in [`MeshFile::points`], so that shared points of two groups of a file remain identifiable. Sides are the
     /// groups of dimension N - 1 by label, groups of one label together; each has its facets of the selected cells, other facets are left
-    /// out. Facets between two of the cells are included; using such a side in a body is an error.
+    /// out. Facets between two of the cells are included; such a group is no side of a body, but a place of supports and forces, as are
+    /// groups of lower dimensions: corners of the selected cells and, in space, their edges. Of equal labels the higher dimension counts;
+    /// if all cells are requested, a group of lower dimension with anything else in it is left out.
     ///
     /// # Errors
     /// [`FileError::Dimension`] without cells of dimension N, with cells of a higher one unless a group is requested, and in the plane for
@@ -35,7 +37,13 @@ impl MeshFile {
             self.check_flat(&chosen)?;
         }
         let points = self.points.iter().map(|x| Vector::<N>::from_fn(|k, _| x[k])).collect();
-        Ok(MeshCells { points, blocks, tags: self.sides(N, &chosen, group.is_none())? })
+        let mut tags: Vec<FacetTag> = Vec::new();
+        for dimension in (0..N).rev() {
+            let more = self.tags(N, dimension, &chosen, group.is_none())?;
+            let new = more.into_iter().filter(|tag| tags.iter().all(|t| t.name != tag.name)).collect::<Vec<_>>();
+            tags.extend(new);
+        }
+        Ok(MeshCells { points, blocks, tags })
     }
 
     /// The file's numbers of the cells that [`MeshFile::cells`] returns, in their order; empty if it returns an error.
@@ -114,8 +122,9 @@ impl MeshFile {
         }
     }
 
-    fn sides(&self, dimension: usize, chosen: &[&MeshBlock], whole: bool) -> Result<Vec<FacetTag>, FileError> {
-        let facets: Vec<&MeshBlock> = self.blocks.iter().filter(|b| b.shape.dimension() + 1 == dimension && !b.groups.is_empty()).collect();
+    /// The groups of dimension `part` of facets, edges or corners of the chosen cells.
+    fn tags(&self, dimension: usize, part: usize, chosen: &[&MeshBlock], whole: bool) -> Result<Vec<FacetTag>, FileError> {
+        let facets: Vec<&MeshBlock> = self.blocks.iter().filter(|b| b.shape.dimension() == part && !b.groups.is_empty()).collect();
         // only facets of groups are searched, so the cost is one pass over the cells
         let mut wanted: Vec<(Key, bool)> = facets.iter().flat_map(|b| corners(b).map(|c| (key(&c), false))).collect();
         wanted.sort_unstable();
@@ -125,11 +134,12 @@ impl MeshFile {
             key.iter().filter(|n| **n != NONE).for_each(|n| marked[*n as usize] = true);
         }
         for block in chosen {
+            let parts = parts_of(block.shape, dimension - part);
             for corners in corners(block) {
-                for facet in facets_of(block.shape) {
+                for facet in &parts {
                     if facet.iter().all(|c| marked[corners[*c] as usize]) {
                         let mut own = [NONE; 8];
-                        own.iter_mut().zip(*facet).for_each(|(o, c)| *o = corners[*c]);
+                        own.iter_mut().zip(facet).for_each(|(o, c)| *o = corners[*c]);
                         if let Ok(k) = wanted.binary_search_by_key(&key(&own), |w| w.0) {
                             wanted[k].1 = true;
                         }
@@ -138,7 +148,7 @@ impl MeshFile {
             }
         }
         let mut tags = Vec::new();
-        for label in self.group_labels(dimension - 1) {
+        for label in self.group_labels(part) {
             let (mut list, mut odd) = (Vec::new(), None);
             let own = facets.iter().filter(|b| b.groups.iter().any(|g| self.groups[*g].label() == label));
             for block in own {
@@ -151,6 +161,9 @@ impl MeshFile {
                 }
             }
             if let Some(id) = odd.filter(|_| whole && !list.is_empty()) {
+                if part + 1 < dimension {
+                    continue;
+                }
                 let what = format!("element {id} of group \"{label}\" is no facet of a cell, others of the group are");
                 return Err(FileError::Broken { what, spot: None });
             }
@@ -201,6 +214,24 @@ fn corners(block: &MeshBlock) -> impl Iterator<Item = [u32; 8]> {
         list.iter_mut().zip(&places).for_each(|(c, place)| *c = nodes[*place]);
         list
     })
+}
+
+/// Facets of a cell, edges of a solid (two dimensions below it) and corners, by corners in the order of [`corners`].
+fn parts_of(shape: CellShape, below: usize) -> Vec<Vec<usize>> {
+    let count = match shape {
+        CellShape::Triangle => 3,
+        CellShape::Quadrilateral | CellShape::Tetrahedron => 4,
+        CellShape::Hexahedron => 8,
+        _ => 0,
+    };
+    match (below, shape.dimension()) {
+        (1, _) => facets_of(shape).iter().map(|facet| facet.to_vec()).collect(),
+        (2, 3) => {
+            let is_edge = |a: usize, b: usize| shape == CellShape::Tetrahedron || (a ^ b).is_power_of_two();
+            (0..count).flat_map(|b| (0..b).filter(move |&a| is_edge(a, b)).map(move |a| vec![a, b])).collect()
+        }
+        _ => (0..count).map(|c| vec![c]).collect(),
+    }
 }
 
 /// Facets of a cell by corners in the order of [`corners`].

@@ -143,12 +143,12 @@ impl<const S: usize, const N: usize> BodySide<S, N> {
     }
 }
 
-/// An edge or a corner of a body.
-#[derive(Debug)]
+/// An edge or a corner of a body, or points, edges or faces of it that have a name.
+#[derive(Clone, Debug)]
 pub struct BodyRim<const N: usize> {
     /// The patch.
     pub patch: usize,
-    /// Canonical name: u0w1, u0v0w0, ...
+    /// Canonical name: u0w1, u0v0w0, ..., or that of the mesh.
     pub name: String,
     /// Name in results: "lower.u0w1".
     pub label: String,

@@ -136,7 +136,13 @@ impl FilePart {
         }
     }
 
-    /// Names of its sides as the file has them; empty for spline patches, whose sides are u0, u1, ...
+    /// Names of points, edges and of tags with facets inside of a mesh: places of supports and forces, but no sides.
+    pub fn inner_tags(&self) -> Vec<&str> {
+        let outer = self.outer_tags();
+        self.tags().into_iter().filter(|tag| !outer.contains(tag)).collect()
+    }
+
+    /// Names of its sides, and of its points, edges and facets inside, as the file has them; empty for spline patches, whose sides are u0, u1, ...
     pub fn tags(&self) -> Vec<&str> {
         match self {
             Self::Spline(_) => Vec::new(),

@@ -121,12 +121,6 @@ fn of_patch(k: usize, rest: &str, patches: &[Patch], families: &[Family], dimens
     canonical(side, dimension).filter(|s| known.contains(s)).map(one)
 }
 
-// whether a text names a point of a mesh
-fn is_point(text: &str, patches: &[Patch], families: &[Family]) -> bool {
-    let Some(Named::Patch(k, rest)) = owner(text, patches, families) else { return false };
-    patches[k].geometry.shape.mesh_part().is_some_and(|part| part.points().contains(&unquoted(rest)))
-}
-
 // the sides that meet in an edge or a corner of the patch
 fn edge(rest: &str, patch: &Patch, dimension: usize) -> Option<String> {
     let shape = &patch.geometry.shape;
@@ -172,16 +166,6 @@ impl Reader {
             return sides.into_iter().map(|s| Located::new(s, node.at)).collect();
         }
         let shown: String = text.chars().take(60).collect();
-        if what == "on" && is_point(text, patches, &self.families) {
-            let help = "name a side, or its part that `where` keeps; a [[probe]] takes the point";
-            self.fault(
-                "E019",
-                node.at,
-                format!("`{shown}` is a point of a mesh: conditions and loads there are not in this version"),
-                help,
-            );
-            return Vec::new();
-        }
         match owner(text, patches, &self.families) {
             None => self.no_patch(node, text, patches),
             Some(Named::Family(k, rest)) => {
@@ -205,7 +189,7 @@ impl Reader {
                         format!("sides of {:?} are {}", patches[k].name.value, sides_of(&patches[k].geometry.shape, dimension).join(", "));
                     self.fault("E021", node.at, format!("`{shown}` is an edge or a corner; `{what}` takes sides"), help);
                 }
-                None => self.no_side(node, &shown, k, rest, patches),
+                None => self.no_side(node, &shown, (what, k, rest), patches),
             },
         }
         Vec::new()
@@ -224,7 +208,8 @@ impl Reader {
         self.push(node.at, d.with_help(format!("sides are written PATCH.SIDE; patches are {}", some(&names))));
     }
 
-    fn no_side(&mut self, node: &Node, shown: &str, k: usize, rest: &str, patches: &[Patch]) {
+    /// Reports a side that the patch with the number `k` does not have, asked for by the key `what`.
+    fn no_side(&mut self, node: &Node, shown: &str, (what, k, rest): (&str, usize, &str), patches: &[Patch]) {
         let (dimension, name, shape) = (self.dimension, &patches[k].name.value, &patches[k].geometry.shape.value);
         if matches!(shape, Shape::File { parts, .. } if parts.is_empty()) {
             // its file could not be read, which was reported
@@ -238,10 +223,16 @@ impl Reader {
             known.extend(own.map(|l| quoted(&l.name)));
         }
         let mesh = part.is_some();
+        let inner: Vec<String> = match part {
+            Some(part) if what == "on" => part.inner_tags().into_iter().map(quoted).collect(),
+            _ => Vec::new(),
+        };
         let list = match (mesh, known.is_empty()) {
             (true, true) => format!("no side of {name:?} is named in its file; \"all-outer\" is its whole boundary"),
             _ => format!("sides of {name:?} are {}", some(&known)),
         };
+        let list = if inner.is_empty() { list } else { format!("{list}; points, edges and what lies inside: {}", some(&inner)) };
+        known.extend(inner);
         let message = if rest.is_empty() {
             format!("`{shown}` names a patch, not a side; {list}")
         } else {

@@ -30,6 +30,8 @@ pub struct GroupReport {
     pub name: Option<String>,
     /// Its cells.
     pub cells: usize,
+    /// Its nodes.
+    pub nodes: usize,
     /// Their length, area or volume; `None` if none of them has one: points, prisms, pyramids.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measure: Option<f64>,
@@ -90,12 +92,28 @@ pub fn cells(mesh: &MeshFile) -> Vec<CellsReport> {
     all.into_iter().map(|(shape, order, count)| CellsReport { shape: format!("{shape:?}").to_lowercase(), order, count }).collect()
 }
 
+/// Number of nodes of a group.
+fn nodes_of(mesh: &MeshFile, group: usize) -> usize {
+    let mut nodes: Vec<u32> = mesh.blocks.iter().filter(|b| b.groups.contains(&group)).flat_map(|b| b.nodes.iter().copied()).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes.len()
+}
+
 /// All groups; `sizes` holds the measure of every block.
 pub fn groups(mesh: &MeshFile, sizes: &[Option<f64>]) -> Vec<GroupReport> {
     let mut all: Vec<GroupReport> = mesh
         .groups
         .iter()
-        .map(|g| GroupReport { dimension: g.dimension, number: g.number, name: g.name.clone(), cells: 0, measure: None })
+        .enumerate()
+        .map(|(k, g)| GroupReport {
+            dimension: g.dimension,
+            number: g.number,
+            name: g.name.clone(),
+            cells: 0,
+            nodes: nodes_of(mesh, k),
+            measure: None,
+        })
         .collect();
     for (block, size) in mesh.blocks.iter().zip(sizes) {
         for &g in &block.groups {

@@ -192,11 +192,11 @@ impl Inspection {
         for l in &self.labels {
             labels.row([l.name.clone(), l.sides.join(" "), short(l.measure, 12)]);
         }
-        let mut groups = Table::new(["group", "dimension", "number", "cells", "measure"]);
+        let mut groups = Table::new(["group", "dimension", "number", "cells", "nodes", "measure"]);
         for g in &self.groups {
             let name = g.name.clone().unwrap_or_else(|| g.number.to_string());
             let measure = g.measure.map_or("-".to_owned(), |m| short(m, 12));
-            groups.row([name, g.dimension.to_string(), g.number.to_string(), g.cells.to_string(), measure]);
+            groups.row([name, g.dimension.to_string(), g.number.to_string(), g.cells.to_string(), g.nodes.to_string(), measure]);
         }
         let fields = grid::table(&self.fields);
         for table in [patches, sides, labels, groups, fields].iter().filter(|t| !t.is_empty()) {

@@ -11,7 +11,6 @@ use crate::place::{Located, Place};
 use crate::words::{place, short};
 use faying::linalg::Vector;
 use faying::problem::{Data, ErrorKind, Problem, ProblemError, Region, RegionId, Statement, Value};
-use faying::space::SideError;
 
 /// Share by which the facets that `where` keeps may differ from the part in which it holds.
 const CUT: f64 = 1e-3;
@@ -32,10 +31,8 @@ pub(super) fn say<const S: usize, const N: usize>(
             if block.all_outer && couples.hold(wanted.value.patch, &wanted.value.side) {
                 continue;
             }
-            // a tag of a mesh may look like an edge or a corner
-            let named = said.problem.bodies().nth(wanted.value.patch).is_some_and(|b| b.body().sides().contains(&wanted.value.side));
-            let made = match meeting_sides(&wanted.value.side).filter(|_| !named) {
-                Some(names) => said.edge_or_corner(wanted, &names).map(|rim| rims.push(rim)),
+            let made = match said.below_sides(wanted) {
+                Some(below) => said.on_below(wanted, &below).map(|rim| rims.push(rim)),
                 None => said.side(wanted).map(|side| on.extend(side)),
             };
             faults.extend(made.err().map(|fault| *fault));
@@ -60,6 +57,28 @@ fn meeting_sides(name: &str) -> Option<Vec<&str>> {
     let word = |k: usize| name.get(2 * k..2 * k + 2).filter(|w| ["u0", "u1", "v0", "v1", "w0", "w1"].contains(w));
     let all: Option<Vec<&str>> = (0..name.len() / 2).map(word).collect();
     all.filter(|list| list.len() > 1 && 2 * list.len() == name.len())
+}
+
+/// What is no side and takes supports and forces.
+enum Below<'a> {
+    /// The edge or corner in which sides meet.
+    Meeting(Vec<&'a str>),
+    /// Named points, edges or faces of a mesh, by their dimension.
+    Named(usize),
+}
+
+impl Below<'_> {
+    /// "a corner", "a line inside of its body".
+    fn words<const N: usize>(&self) -> &'static str {
+        match self {
+            Self::Meeting(sides) if sides.len() == N => "a corner",
+            Self::Meeting(_) => "an edge",
+            Self::Named(0) => "a set of points",
+            Self::Named(1) if N == 3 => "a set of edges",
+            Self::Named(1) => "a line inside of its body",
+            Self::Named(_) => "a surface inside of its body",
+        }
+    }
 }
 
 /// A block that is being said.
@@ -96,11 +115,6 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
         }
         made.map_err(|error| {
             Box::new(match (&error.kind, &self.block.filter) {
-                (ErrorKind::Side(SideError::Interior { .. }), _) => {
-                    let text =
-                        format!("`{}` lies inside of its body: conditions and loads there are not in this version", wanted.value.side);
-                    self.error("E019", text, wanted.at).with_help("name a side on the boundary")
-                }
                 (ErrorKind::Side(_), _) => refused(self.builder, self.problem, &error, wanted),
                 (_, Some(filter)) => {
                     let text = format!("`where` on `{}`, a side of triangles and quadrilaterals, is not in this version", error.names()[0]);
@@ -111,33 +125,45 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
         })
     }
 
-    /// Says the conditions of an edge or a corner where the sides `names` meet, and returns it.
-    fn edge_or_corner(&mut self, wanted: &Located<SideRef>, names: &[&str]) -> Result<RegionId, Box<Diagnostic>> {
-        let (block, patch) = (self.block, wanted.value.patch);
-        let what = if names.len() == N { "corner" } else { "edge" };
-        let an = if what == "edge" { "an edge" } else { "a corner" };
+    /// The edge, the corner or the named part of a mesh of a reference; `None` of a side.
+    fn below_sides<'w>(&self, wanted: &'w Located<SideRef>) -> Option<Below<'w>> {
+        let name = &wanted.value.side;
+        let view = self.problem.bodies().nth(wanted.value.patch)?;
+        // a tag of a mesh may look like an edge or a corner
+        if view.body().sides().contains(name) {
+            return None;
+        }
+        let named = view.body().submesh(name).map(|submesh| Below::Named(submesh.dimension));
+        named.or_else(|| meeting_sides(name).map(Below::Meeting))
+    }
+
+    /// Says the conditions of what is no side, and returns it.
+    fn on_below(&mut self, wanted: &Located<SideRef>, below: &Below<'_>) -> Result<RegionId, Box<Diagnostic>> {
+        let (block, patch, what) = (self.block, wanted.value.patch, below.words::<N>());
         let label = format!("{}.{}", self.builder.case.patches[patch].name.value, wanted.value.side);
         let loads = block.traction.iter().any(Option::is_some)
             || block.pressure.is_some()
             || [&block.spring, &block.rigid_force].into_iter().any(|list| list.iter().any(Option::is_some));
         if loads {
-            let text = format!("`{label}` is {an}; it takes fix, dirichlet and force, other loads and springs act on sides");
+            let text = format!("`{label}` is {what}; it takes fix, dirichlet and force, other loads and springs act on sides");
             return Err(Box::new(self.error("E015", text, wanted.at).with_help("name a side, or give `force`, the resultant")));
         }
         if let Some(at) = block.fix_normal.as_ref().or(block.fix_tangential.as_ref()).map(|f| f.at) {
-            return Err(Box::new(
-                self.error("E015", format!("`{label}` is {an} and has no normal"), at).with_help("fix components x, y, z"),
-            ));
+            let text = format!("`{label}` is {what} and has no normal");
+            return Err(Box::new(self.error("E015", text, at).with_help("fix components x, y, z")));
         }
         if let Some(filter) = &block.filter {
-            return Err(Box::new(self.error("E015", format!("`where` chooses facets of sides; `{label}` is {an}"), filter.at)));
+            return Err(Box::new(self.error("E015", format!("`where` chooses facets of sides; `{label}` is {what}"), filter.at)));
         }
         let body = self.places.bodies[patch];
-        let met: Vec<_> = names.iter().map(|name| body.side(name)).collect();
-        let region = self.problem.meeting(&met).map_err(|error| match &error.kind {
+        let made = match below {
+            Below::Meeting(names) => self.problem.meeting(&names.iter().map(|name| body.side(name)).collect::<Vec<_>>()),
+            Below::Named(_) => self.problem.region(body.side(&wanted.value.side)),
+        };
+        let region = made.map_err(|error| match &error.kind {
             ErrorKind::Side(_) => Box::new(refused(self.builder, self.problem, &error, wanted)),
             _ => {
-                let text = format!("there is no {what} `{label}`: {} share no function there", error.names().join(" and "));
+                let text = format!("`{label}` is not {what}: {} share no function there", error.names().join(" and "));
                 Box::new(self.error("E021", text, wanted.at))
             }
         })?;

@@ -8,6 +8,7 @@ mod exact_per_patch;
 mod extremes;
 mod loads;
 mod magnitudes;
+mod mesh_places;
 mod mutated_files;
 mod mutated_runs;
 mod parity;

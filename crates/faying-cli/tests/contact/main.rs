@@ -20,4 +20,5 @@ mod obstacles;
 mod one_factor;
 mod opposed;
 mod own_entries;
+mod revolution;
 mod thin;

@@ -389,16 +389,18 @@ fn between_names_patches_of_a_spline_file_apart() {
 fn lists_of_sides_of_a_mesh_have_only_what_can_be_named() {
     let folder = folder_with(&[("square.msh", &triangles(4, 1, |x, y| [x, y]))]);
     let text = |side: &str| poisson("file = \"square.msh\"", "degree = 1", &[]).replace("\"all-outer\"", side);
-    // the middle line lies inside: it is no side, and no list has it
-    let found = faults(folder.path(), &text("'body.\"middle line\"'"));
-    assert!(found.items[0].code == "E019" && found.items[0].message.contains("`middle line` lies inside of its body"), "{found}");
+    // the middle line lies inside: it is no side, but supports take it
+    run_at(folder.path(), &text("'body.\"middle line\"'"));
+    let found = faults(folder.path(), &text("'body.\"middle line\"'").replace("dirichlet = 0", "spring = 1"));
+    assert!(found.items[0].code == "E015" && found.items[0].message.contains("`body.middle line` is a line inside of its body"), "{found}");
     for side in ["'body.nothing'", "'body.untagged'"] {
         let found = faults(folder.path(), &text(side));
         assert_eq!(found.items[0].code, "E021", "{found}");
         let told = found.to_string();
         let list = told.split_once("sides of \"body\" are ").expect(&told).1;
-        let list = list.lines().next().unwrap();
+        let (list, inner) = list.lines().next().unwrap().split_once("; points, edges and what lies inside: ").expect(&told);
         assert!(list.contains("bottom") && !list.contains("middle line") && !list.contains("untagged"), "{told}");
+        assert!(inner.contains("\"middle line\"") && !inner.contains("bottom"), "{told}");
         assert!(told.contains("\"all-outer\" is every side"), "{told}");
     }
 }

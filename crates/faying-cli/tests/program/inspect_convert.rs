@@ -106,9 +106,9 @@ fn meshes_are_counted_and_measured_by_groups() {
     let cells: Vec<(&str, u64)> =
         found["cells"].as_array().unwrap().iter().map(|c| (c["shape"].as_str().unwrap(), c["count"].as_u64().unwrap())).collect();
     assert_eq!(cells, [("line", 1), ("triangle", 2), ("quadrilateral", 1)]);
-    for (name, dimension, cells, measure) in [("left end", 1, 1, 1.0), ("soft", 2, 2, 1.0), ("hard", 2, 1, 2.0)] {
+    for (name, dimension, cells, nodes, measure) in [("left end", 1, 1, 2, 1.0), ("soft", 2, 2, 4, 1.0), ("hard", 2, 1, 4, 2.0)] {
         let group = found["groups"].as_array().unwrap().iter().find(|g| g["name"] == name).unwrap();
-        assert_eq!((&group["dimension"], &group["cells"]), (&dimension.into(), &cells.into()), "{group}");
+        assert_eq!((&group["dimension"], &group["cells"], &group["nodes"]), (&dimension.into(), &cells.into(), &nodes.into()), "{group}");
         close(&group["measure"], measure, name);
     }
     let q = &found["quality"];

@@ -9,7 +9,7 @@ const DATA: Special = Special::Components { exact: true };
 
 pub(in crate::case) const BOUNDARY: &[Key] = &[
     name(),
-    Key::of("on", Special::Sides, "a side PATCH.SIDE, a list, or all-outer: sides in no other block").required("\"lower.bottom\""),
+    Key::of("on", Special::Sides, "a side PATCH.SIDE, a list, or all-outer: sides in no other block; of supports and forces also an edge or a corner PATCH.u0v0, and named points and inner lines of meshes").required("\"lower.bottom\""),
     Key::new("where", KeyKind::Formula, "keeps only the facets whose centre satisfies it").optional("\"x > 0.9\""),
     Key::of(
         "fix",
@@ -24,7 +24,7 @@ pub(in crate::case) const BOUNDARY: &[Key] = &[
     Key::of("neumann", DATA, "flux k du/dn or traction; \"exact\" follows from the exact solution").optional("\"exact\""),
     Key::of("traction", DATA, "force per area").unit("force/area").optional("{ y = \"-1\" }").only(ELASTIC),
     Key::new("pressure", KeyKind::Formula, "force per area along minus the outward normal").unit("force/area").optional("1.0").only(ELASTIC),
-    Key::of("force", COMPONENTS, "resultant, spread evenly; on corners and edges, too").unit("force").optional("{ y = -1000 }"),
+    Key::of("force", COMPONENTS, "resultant, spread evenly; on corners and edges, points and lines of meshes, too").unit("force").optional("{ y = -1000 }"),
     Key::of("spring", COMPONENTS, "force per area and length").unit("force/area/length").optional("{ x = 1e3 }"),
     Key::of("rigid_force", COMPONENTS, "rigid side: equal displacement in this direction, total force given").unit("force").optional("{ y = -1.0 }"),
 ];

@@ -132,7 +132,9 @@ fn groups_select_cells_sides_and_points() {
     let body = mesh.cells::<3>(Some("1")).unwrap();
     assert_eq!(body, mesh.cells::<3>(None).unwrap());
     assert_eq!(body.blocks.len(), 1);
-    assert_eq!(body.tags.len(), 1);
+    let found: Vec<(&str, Option<usize>, usize)> = body.tags.iter().map(|t| (t.name.as_str(), t.dimension(), t.corners.len())).collect();
+    assert_eq!(found[1..], [("corner", Some(0), 1)]);
+    assert_eq!(found[0].1, Some(2));
     assert!(body.tags[0].name == "left" && body.tags[0].corners[0].iter().all(|c| body.points[*c][0].abs() < 1e-12));
     let missing = mesh.cells::<3>(Some("steel")).unwrap_err();
     assert_eq!((crate::kind(&missing), missing.to_string().as_str()), ("missing", "there is no group \"steel\"; there are \"box\""));

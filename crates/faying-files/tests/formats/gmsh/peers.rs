@@ -89,11 +89,11 @@ fn the_nutils_domain_has_its_areas_sides_and_point_in_every_order_and_version() 
         }
         assert!(mesh.point("midpoint").unwrap().iter().zip([1.0, 0.0, 0.0]).all(|(x, y)| (x - y).abs() < 1e-12), "{name}");
         let whole: Vec<(String, usize)> = mesh.cells::<2>(None).unwrap().tags.into_iter().map(|t| (t.name, t.corners.len())).collect();
-        let expected = [("neumann", 10), ("dirichlet", 20), ("extra", 10), ("iface", 5)].map(|(n, k)| (n.to_owned(), k));
+        let expected = [("neumann", 10), ("dirichlet", 20), ("extra", 10), ("iface", 5), ("midpoint", 1)].map(|(n, k)| (n.to_owned(), k));
         assert_eq!(whole, expected, "{name}");
         let left: Vec<(String, usize)> =
             mesh.cells::<2>(Some("left")).unwrap().tags.into_iter().map(|t| (t.name, t.corners.len())).collect();
-        let expected = [("neumann", 5), ("dirichlet", 10), ("extra", 10), ("iface", 5)].map(|(n, k)| (n.to_owned(), k));
+        let expected = [("neumann", 5), ("dirichlet", 10), ("extra", 10), ("iface", 5), ("midpoint", 1)].map(|(n, k)| (n.to_owned(), k));
         assert_eq!(left, expected, "{name}");
     }
 }
