@@ -11,6 +11,7 @@ mod extruded;
 mod flat;
 mod gaps;
 mod hertz;
+mod lists;
 mod multipliers;
 mod obstacles;
 mod poles;
