@@ -9,7 +9,7 @@ use super::error::ProblemErrors;
 use super::multipliers::{DualPair, constrained_ends};
 use crate::basis::Basis;
 use crate::contact::{ClosedSide, NoHalfWidth, half_width};
-use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, MergedSurface, Partners, SlaveRule};
+use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, MergedSurface, Partners, SlaveRule, SlaveSurface};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind};
 use crate::coupling::{CouplingError, Segments};
 use crate::geometry::Geometry;
@@ -127,7 +127,7 @@ impl InterfaceQuadrature<2, 3> for NoRule {
     }
 }
 
-/// The library has the merged rule of surfaces and multipliers; slave rules and sums over the master come from outside.
+/// The library has the merged and the slave rule of surfaces and multipliers; sums over the master come from outside.
 impl InterfaceSide<2, 3> for Trace<2, 3> {
     #[inline(never)]
     fn compiled() -> &'static dyn Compiled<2, 3> {
@@ -136,8 +136,8 @@ impl InterfaceSide<2, 3> for Trace<2, 3> {
     fn merged(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
         Box::new(MergedSurface { points, partners })
     }
-    fn slave_rule(_: usize, _: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
-        Box::new(NoRule)
+    fn slave_rule(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
+        Box::new(SlaveSurface { points, partners })
     }
     fn master_sums(_: usize, _: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
         Box::new(NoRule)

@@ -8,7 +8,7 @@ use super::model::{BodySide, Opposing};
 use super::solution::Solution;
 use super::tie_along::tie_along;
 use crate::basis::{Basis, Order, ShapeTable};
-use crate::contact::{Obstacle, Surface, opposed};
+use crate::contact::{FacingSurface, Obstacle, Surface, opposed};
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Vector, measure};
 use crate::quadrature::Quadrature;
@@ -118,8 +118,8 @@ impl Solution<1, 2> {
 }
 
 impl Solution<2, 3> {
-    /// Fields on the slave side with a number, from 0, of a contact with an obstacle; `None` if there is no such side, and for ties and
-    /// contacts of two surfaces, whose fields are not in this version.
+    /// Fields on the slave side with a number, from 0, of a contact; `None` if there is no such side, and for ties, whose fields are not
+    /// in this version.
     ///
     /// # Errors
     /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) as for [`multiplier`](Self::multiplier).
@@ -132,8 +132,12 @@ impl Solution<2, 3> {
         let state = &self.inner;
         let InterfaceId::Contact(contact) = of else { return Ok(None) };
         let Some(part) = state.model().contacts[contact.number].parts.get(side) else { return Ok(None) };
-        let Opposing::Rigid(obstacle, _) = &part.against else { return Ok(None) };
-        let faced = || obstacle.target(state.state().t, Some(&state.state().u));
+        let faced = || -> Box<dyn Obstacle<2, 3>> {
+            match &part.against {
+                Opposing::Side(master, _) => Box::new(FacingSurface::new(&master.trace)),
+                Opposing::Rigid(obstacle, _) => obstacle.target(state.state().t, Some(&state.state().u)),
+            }
+        };
         Ok(Some(contact_along(state, [contact.number, side], &faced, None)))
     }
 }

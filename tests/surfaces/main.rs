@@ -1,4 +1,4 @@
-//! Surfaces: segments of two sides in space, multipliers, and contact of bodies in space with rigid obstacles.
+//! Surfaces: segments of two sides in space, multipliers, and contact of bodies in space with rigid obstacles and with each other.
 #![allow(clippy::unwrap_used)]
 
 mod battery;
@@ -10,10 +10,15 @@ mod curved;
 mod extruded;
 mod flat;
 mod gaps;
+mod hertz;
+mod lists;
 mod multipliers;
 mod obstacles;
 mod poles;
+mod press_fit;
 mod pressed;
+mod slave_rule;
+mod stacked;
 mod threads;
 mod tied;
 mod zones;

@@ -93,6 +93,13 @@ impl Display for Warning {
                 let (apart, moment) = (digits(*apart), digits(*moment));
                 write!(f, "{of} loses the moment {moment}, {}: its sides are up to {apart} apart", percent(*share))
             }
+            Self::LostParts { of, elements, x } => {
+                write!(
+                    f,
+                    "pieces of integration of {of} lose a part of {elements} elements that face the opponent, the first at {}",
+                    place(x)
+                )
+            }
             Self::SoftPenalty { of, apart, size, moved } => {
                 let word = if of.kind == SubjectKind::Contact { "deep in each other" } else { "apart in the mean" };
                 let [apart, size, moved] = [apart, size, moved].map(|x| digits(*x));

@@ -16,6 +16,7 @@
 //! | `rounding` | digits, where the condition number is large: moduli of high contrast |
 //! | `coarse_zone` | forces and extents of zones that few functions of the slave carry |
 //! | `lost_moment` | moments that ties across a gap lose |
+//! | `lost_parts` | parts of slave elements that no piece of integration covers though they face the opponent |
 //! | `soft_penalty` | places of bodies that a soft penalty lets sink into each other |
 //! | `gap_pressure` | pressures at points that come from gaps, or from waves of facets, and not from the stress of the bodies |
 //! | `kinematics` | all, where bodies deform too far for small kinematics |
@@ -33,6 +34,7 @@ mod integration;
 mod kinematics;
 mod left_open;
 mod lost_moment;
+mod lost_parts;
 mod meant;
 mod overlap;
 mod patch_test;
@@ -79,6 +81,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(rounding::rounding(self, state));
         found.extend(coarse_zone::coarse_zones(self, state));
         found.extend(lost_moment::lost_moments(self, state));
+        found.extend(lost_parts::lost_parts(self));
         found.extend(soft_penalty::soft_penalties(self, state));
         found.extend(gap_pressure::gap_pressures(self, state));
         found.extend(kinematics::kinematics(self, state));

@@ -198,6 +198,16 @@ pub enum Warning {
         /// The least number without a warning.
         least: usize,
     },
+    /// Slave elements of a contact of which the pieces of integration cover not all, or a part twice, though the opponent faces all of them:
+    /// kinked facets across gaps. What is lost carries no pressure.
+    LostParts {
+        /// The contact.
+        of: Subject,
+        /// Number of these elements.
+        elements: usize,
+        /// A place in the first of them.
+        x: [f64; 3],
+    },
     /// A tie over a gap loses a moment of more than 1e-3 of its force times half the size of the slave side.
     LostMoment {
         /// The tie.
@@ -275,6 +285,7 @@ impl Warning {
             | Self::Rounding { of, .. }
             | Self::CoarseZone { of, .. }
             | Self::LostMoment { of, .. }
+            | Self::LostParts { of, .. }
             | Self::SoftPenalty { of, .. }
             | Self::GapPressure { of, .. }
             | Self::WavyFacets { of, .. }

@@ -30,13 +30,13 @@ const TOLD_BY: usize = 200;
 
 /// Both sides and their rules.
 pub(super) struct Sides<'a> {
-    slave: Facets<'a>,
+    pub slave: Facets<'a>,
     skeleton: Skeleton,
-    master: MasterSurface<'a>,
-    partners: Partners,
+    pub master: MasterSurface<'a>,
+    pub partners: Partners,
     points: usize,
     /// Sizes of the slave, and of the larger side.
-    sizes: [f64; 2],
+    pub sizes: [f64; 2],
     /// Gauss rules on [0, 1] by their number of points.
     lines: Vec<LineRule>,
     own: [Rule<2>; 2],
@@ -153,8 +153,11 @@ impl<'a> Sides<'a> {
         let filled: Vec<Points> = found.list.iter().map(|region| self.points(work, region)).collect();
         let share = filled.iter().flatten().map(|p| p.1).sum::<f64>() / cell;
         let tiles = (share - 1.0).abs() <= TILES && (found.share(cell) - share).abs() <= TILES;
-        let may_be_open = found.has_rim || found.list.is_empty() && !self.touches(&mut chart);
-        let is_lost = !tiles && (share > 1.0 + TILES || !may_be_open);
+        let may_be_open = |chart: &mut Chart<'_>| match self.partners.touch() {
+            true => found.has_rim || found.list.is_empty() && !self.touches(chart),
+            false => found.has_rim || !self.is_faced(work, chart),
+        };
+        let is_lost = !tiles && (share > 1.0 + TILES || !may_be_open(&mut chart));
         if is_lost
             && again > 0
             && let Some(quarters) = work.facets.quarters(work.facet)
@@ -188,6 +191,13 @@ impl<'a> Sides<'a> {
         points
     }
 
+    /// Master facets that may hold partners of a slave element.
+    pub fn near(&self, element: usize) -> Vec<usize> {
+        let mut table = MapTable::new();
+        let of = |s: usize| self.candidates(&Work { facets: &self.slave, facet: s, whole: s }, &mut table);
+        self.slave.of(element).flat_map(of).collect()
+    }
+
     /// Master facets that may hold partners of a slave facet.
     fn candidates(&self, work: &Work<'_, 'a>, table: &mut MapTable<2, 3>) -> Vec<usize> {
         let own = &work.facets.list[work.facet];
@@ -212,12 +222,28 @@ impl<'a> Sides<'a> {
         far.min(allowed)
     }
 
-    /// Whether the middle of a facet has a partner.
+    /// Whether the middle of a facet of touching sides has a partner.
     fn touches(&self, chart: &mut Chart<'_>) -> bool {
         let center = chart.polygon.center();
         let x = chart.eval(&[center]).x[0];
         let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], [0.0; 2]);
-        self.partners.touch() && self.master.project(&x).is_some_and(|hit| !hit.rim && hit.distance <= allowed)
+        self.master.project(&x).is_some_and(|hit| !hit.rim && hit.distance <= allowed)
+    }
+
+    /// Whether every point of a grid in a facet has a partner: a closest point that is no rim, within reach, and opposes it.
+    fn is_faced(&self, work: &Work<'_, 'a>, chart: &mut Chart<'_>) -> bool {
+        let element = work.facets.list[work.facet].element;
+        let outward = self.partners.outward(self.slave.map, element);
+        let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], [0.0; 2]);
+        let mut table = MapTable::new();
+        let (master, grid) = (self.master.facets.map, chart.polygon.grid(5));
+        let here = chart.eval(&grid);
+        here.x.iter().zip(&here.jacobian).all(|(x, jacobian)| {
+            let Some(hit) = self.master.project(x).filter(|hit| !hit.rim && hit.distance <= allowed) else { return false };
+            let Some((a, b)) = outward.zip(master.outward(hit.element)) else { return true };
+            master.map(hit.element, &[hit.xi], Order::Gradients, &mut table);
+            opposes(&unit_normal(jacobian, a), &unit_normal(&table.jacobian[0], b))
+        })
     }
 
     /// Drops regions of which the closest point does not say that they face their facet.

@@ -248,9 +248,19 @@ impl<'a> Facets<'a> {
 impl Facet {
     /// Whether coordinates of the element are in the facet, to rounding.
     pub fn holds(&self, xi: &Vector<2>) -> bool {
-        let uv = inverse(&self.axes).map_or_else(Vector::zeros, |inv| inv * (xi - self.origin));
         let polygon = if self.pole { Polygon::Square } else { self.polygon };
-        polygon.depth(&uv) >= -SAME_PLACE
+        polygon.depth(&self.within(xi)) >= -SAME_PLACE
+    }
+
+    /// The coordinates (u, v) that the element has on the part that is the facet.
+    fn within(&self, xi: &Vector<2>) -> Vector<2> {
+        inverse(&self.axes).map_or_else(Vector::zeros, |inv| inv * (xi - self.origin))
+    }
+
+    /// Coordinates of the facet at a point of the element: the inverse of [`Facet::local`].
+    pub fn seen(&self, xi: &Vector<2>) -> Vector<2> {
+        let uv = self.within(xi);
+        if self.pole { Vector::<2>::new(uv[0] * (1.0 - uv[1]), uv[1]) } else { uv }
     }
 
     /// Coordinates of the element at a point of the facet.

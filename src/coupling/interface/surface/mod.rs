@@ -22,6 +22,7 @@ mod polygon;
 mod region_maps;
 mod regions;
 mod skeleton;
+mod slave;
 mod trace;
 
 use super::slave_pieces::{SlavePieces, join};
@@ -30,6 +31,8 @@ use crate::coupling::CouplingError;
 use crate::geometry::Geometry;
 use element::Sides;
 use rayon::prelude::*;
+
+pub use slave::SlaveSurface;
 
 /// Gauss points on the regions that elements of both sides share.
 #[derive(Clone, Copy, Debug, PartialEq)]

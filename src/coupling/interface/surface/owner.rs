@@ -5,7 +5,7 @@ use super::polygon::Polygon;
 use super::skeleton::Skeleton;
 use crate::basis::Order;
 use crate::coupling::CouplingError;
-use crate::geometry::{ClosestPoint, Geometry, MapTable, Projection};
+use crate::geometry::{Bounds, ClosestPoint, Geometry, MapTable, Projection, unit_normal};
 use crate::linalg::{Matrix, Vector, inverse};
 
 /// Newton steps of a foot; quadratic convergence needs about five.
@@ -16,6 +16,8 @@ const SQUARED: f64 = 1e-9;
 const TOUCHES: f64 = 1e-7;
 /// A foot this far outside of its cell is tried again from other starts.
 const FAR_OUTSIDE: f64 = 1e-3;
+/// Closest points this near to the boundary of their cell, in local coordinates, are on it.
+const AT_EDGE: f64 = 1e-9;
 /// Share of JᵀJ below which the second derivatives are left out: beyond the centre of curvature.
 const LEAST_SLOPE: f64 = 0.1;
 
@@ -49,7 +51,7 @@ impl<'a> MasterSurface<'a> {
     }
 
     /// Facets of elements whose boxes meet `bounds`, in ascending order.
-    pub fn candidates(&self, bounds: &crate::geometry::Bounds<3>) -> Vec<usize> {
+    pub fn candidates(&self, bounds: &Bounds<3>) -> Vec<usize> {
         self.closest.tree().meeting(bounds).into_iter().flat_map(|e| self.facets.of(e)).collect()
     }
 
@@ -61,15 +63,51 @@ impl<'a> MasterSurface<'a> {
         holding.into_iter().any(|g| g == f || self.skeleton.corners[g].iter().any(|v| *v != usize::MAX && own.contains(v)))
     }
 
+    /// The facet that holds the closest point of `x`, and the foot on it, continued beyond its cell; `None` beyond a rim. Of several
+    /// facets at an edge or a vertex the one whose normal is nearest to the line to `x`.
+    pub fn place(&self, x: &Vector<3>, table: &mut MapTable<2, 3>) -> Option<(usize, Foot)> {
+        let hit = self.project(x).filter(|hit| !hit.rim)?;
+        let own = self.facets.of(hit.element).find(|&f| self.facets.list[f].holds(&hit.xi))?;
+        let at = self.facets.list[own].seen(&hit.xi);
+        let (mut owner, mut start) = (own, at);
+        if self.facets.list[own].polygon.depth(&at) <= AT_EDGE {
+            let line = x - hit.x;
+            let mut along = |f: usize, eta: &Vector<2>| {
+                self.facets.at(f, &[*eta], Order::Gradients, table);
+                line.dot(&unit_normal(&table.jacobian[0], 1.0)).abs()
+            };
+            let mut best = along(own, &at);
+            let near = Bounds { lo: hit.x, hi: hit.x }.inflated(AT_EDGE * self.facets.list[own].size);
+            for f in self.candidates(&near).into_iter().filter(|&f| f != own) {
+                let foot = self.newton(f, &[hit.x], &mut [self.started(f, &hit.x)], Order::Gradients, &mut MapTable::new())[0];
+                let facet = &self.facets.list[f];
+                if (foot.x - hit.x).norm() > AT_EDGE * facet.size || facet.polygon.depth(&foot.eta) < -AT_EDGE {
+                    continue;
+                }
+                let here = along(f, &foot.eta);
+                if here > best + AT_EDGE * line.norm() {
+                    (owner, start, best) = (f, foot.eta, here);
+                }
+            }
+        }
+        let foot = self.newton(owner, &[*x], &mut [start], Order::Hessians, table)[0];
+        Some((owner, foot))
+    }
+
+    /// The linearised coordinates of `x` on facet `f`, within one cell of it.
+    fn started(&self, f: usize, x: &Vector<3>) -> Vector<2> {
+        let facet = &self.facets.list[f];
+        self.limited(f, facet.polygon.center() + facet.back * (x - facet.x))
+    }
+
     /// Feet of `x` on the continued facet `f`: Jᵀ(x - x_m(eta)) = 0 with eta within one cell of the facet, started about that of `center`.
     pub fn feet(&self, f: usize, center: &Vector<3>, x: &[Vector<3>], table: &mut MapTable<2, 3>) -> Vec<Foot> {
         let facet = &self.facets.list[f];
-        let linear = |x: &Vector<3>| facet.polygon.center() + facet.back * (x - facet.x);
         if facet.affine {
             let on = |eta: Vector<2>| Foot { eta, x: facet.x + facet.jacobian * (eta - facet.polygon.center()), found: true };
-            return x.iter().map(|x| on(self.limited(f, linear(x)))).collect();
+            return x.iter().map(|x| on(self.started(f, x))).collect();
         }
-        let middle = self.newton(f, &[*center], &mut [self.limited(f, linear(center))], Order::Hessians, table)[0];
+        let middle = self.newton(f, &[*center], &mut [self.started(f, center)], Order::Hessians, table)[0];
         self.facets.at(f, &[middle.eta], Order::Gradients, table);
         let j = table.jacobian[0];
         let back: Matrix<2, 3> = inverse(&j.tr_mul(&j)).unwrap_or_else(Matrix::zeros) * j.transpose();
