@@ -100,7 +100,10 @@ impl Solution<1, 2> {
         self.multiplier(of)?;
         let model = state.model();
         Ok(match of {
-            InterfaceId::Tie(tie) => (side < model.ties[tie.number].parts.len()).then(|| tie_along(state, [tie.number, side])),
+            InterfaceId::Tie(tie) => model.ties[tie.number]
+                .parts
+                .get(side)
+                .map(|part| tie_along(state, [tie.number, side], Some(&ArcLength::new(&*part.slave.trace.space)))),
             InterfaceId::Contact(contact) => model.contacts[contact.number].parts.get(side).map(|part| {
                 let faced = || -> Box<dyn Obstacle<1, 2>> {
                     match &part.against {
@@ -115,7 +118,7 @@ impl Solution<1, 2> {
 }
 
 impl Solution<2, 3> {
-    /// Fields on the slave side with a number, from 0, of a contact with an obstacle; `None` if there is no such side, and for ties and
+    /// Fields on the slave side with a number, from 0, of a tie or a contact with an obstacle; `None` if there is no such side, and for
     /// contacts of two surfaces, whose fields are not in this version.
     ///
     /// # Errors
@@ -123,7 +126,13 @@ impl Solution<2, 3> {
     pub fn along(&self, of: impl Into<InterfaceId>, side: usize) -> Result<Option<SideField<2, 3>>, ProblemError> {
         let (of, state) = (of.into(), &self.inner);
         self.multiplier(of)?;
-        let InterfaceId::Contact(contact) = of else { return Ok(None) };
+        let contact = match of {
+            InterfaceId::Contact(contact) => contact,
+            InterfaceId::Tie(tie) => {
+                let there = side < state.model().ties[tie.number].parts.len();
+                return Ok(there.then(|| tie_along(state, [tie.number, side], None)));
+            }
+        };
         let Some(part) = state.model().contacts[contact.number].parts.get(side) else { return Ok(None) };
         let Opposing::Rigid(obstacle, _) = &part.against else { return Ok(None) };
         let faced = || obstacle.target(state.state().t, Some(&state.state().u));
