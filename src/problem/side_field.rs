@@ -103,7 +103,10 @@ impl Solution<1, 2> {
         self.multiplier(of)?;
         let (state, model) = (&self.inner, self.inner.model());
         Ok(match of {
-            InterfaceId::Tie(tie) => (side < model.ties[tie.number].parts.len()).then(|| tie_along(state, [tie.number, side])),
+            InterfaceId::Tie(tie) => model.ties[tie.number]
+                .parts
+                .get(side)
+                .map(|part| tie_along(state, [tie.number, side], Some(&ArcLength::new(&*part.slave.trace.space)))),
             InterfaceId::Contact(contact) => model.contacts[contact.number].parts.get(side).map(|part| {
                 let faced = || -> Box<dyn Obstacle<1, 2>> {
                     match &part.against {
@@ -118,8 +121,7 @@ impl Solution<1, 2> {
 }
 
 impl Solution<2, 3> {
-    /// Fields on the slave side with a number, from 0, of a contact; `None` if there is no such side, and for ties, whose fields are not
-    /// in this version.
+    /// Fields on the slave side with a number, from 0, of a tie or a contact; `None` if there is no such side.
     ///
     /// # Errors
     /// [`ErrorKind::OtherProblem`](super::ErrorKind::OtherProblem) as for [`multiplier`](Self::multiplier).
@@ -130,7 +132,13 @@ impl Solution<2, 3> {
     fn on_surface(&self, of: InterfaceId, side: usize) -> Result<Option<SideField<2, 3>>, ProblemError> {
         self.multiplier(of)?;
         let state = &self.inner;
-        let InterfaceId::Contact(contact) = of else { return Ok(None) };
+        let contact = match of {
+            InterfaceId::Contact(contact) => contact,
+            InterfaceId::Tie(tie) => {
+                let there = side < state.model().ties[tie.number].parts.len();
+                return Ok(there.then(|| tie_along(state, [tie.number, side], None)));
+            }
+        };
         let Some(part) = state.model().contacts[contact.number].parts.get(side) else { return Ok(None) };
         let faced = || -> Box<dyn Obstacle<2, 3>> {
             match &part.against {

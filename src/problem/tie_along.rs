@@ -1,23 +1,26 @@
-//! Fields along the slave sides of ties in the plane.
+//! Fields along the slave sides of ties.
 
 use super::arc_length::ArcLength;
 use super::integrate::on_trace;
-use super::side_field::{Field, SideField, SidePoint, centres, degree, normals};
+use super::model::{BodySide, TiePart};
+use super::side_field::{Field, SideField, SidePoint, centres, degree};
 use super::solved::State;
 use super::tie_field::{TieField, component_rows, multiplier_at};
 use crate::basis::Order;
-use crate::contact::Surface;
 use crate::geometry::{ClosestPoint, Geometry, MapTable, Projection};
 use crate::linalg::Vector;
+use crate::space::Space;
 use std::cmp::Ordering;
 use std::sync::Arc;
 
-type Plane = Arc<dyn State<1, 2>>;
-
-/// Fields along a slave side of a tie, by the numbers of both.
-pub(super) fn tie_along(state: &Plane, [t, p]: [usize; 2]) -> SideField {
+/// Fields along a slave side of a tie, by the numbers of both; `arc` the arc length along a curve.
+pub(super) fn tie_along<const S: usize, const N: usize>(
+    state: &Arc<dyn State<S, N>>,
+    [t, p]: [usize; 2],
+    arc: Option<&ArcLength<'_, N>>,
+) -> SideField<S, N> {
     let part = &state.model().ties[t].parts[p];
-    let lambda = |sign: f64| -> Field<1> {
+    let lambda = |sign: f64| -> Field<S> {
         let state = Arc::clone(state);
         let field = TieField::of(state.model(), &state.model().ties[t].parts[p], state.state().t);
         Box::new(move |element, xi| {
@@ -26,62 +29,94 @@ pub(super) fn tie_along(state: &Plane, [t, p]: [usize; 2]) -> SideField {
             (0..xi.len()).flat_map(|q| per_component.iter().map(move |v| sign * v[q]).collect::<Vec<_>>()).collect()
         })
     };
-    let nearest: Box<dyn crate::contact::Obstacle<1, 2>> = Box::new(Surface::new(&part.pairings[0].master.trace, None));
     SideField {
         lambda: lambda(1.0),
         gap: Box::new(jumps(state, [t, p])),
         active: Box::new(|_, xi| vec![1.0; xi.len()]),
         traction: lambda(-1.0),
-        normal: normals(&part.slave, nearest),
+        normal: normals(state, [t, p]),
         degree: part.multipliers.iter().map(|m| degree(&**m)).max().unwrap_or_else(|| degree(&*part.slave.trace.space)),
-        points: if part.multipliers.is_empty() { without_rows(state, [t, p]) } else { by_functions(state, [t, p]) },
+        points: if part.multipliers.is_empty() { without_rows(state, [t, p], arc) } else { by_functions(state, [t, p], arc) },
+    }
+}
+
+/// The search for the closest point of all masters of a tied part.
+struct Masters<const S: usize, const N: usize>(Vec<ClosestPoint<S, N, Arc<dyn Space<S, N>>>>);
+
+impl<const S: usize, const N: usize> Masters<S, N> {
+    fn of(part: &TiePart<S, N>) -> Self {
+        Self(part.pairings.iter().map(|pairing| ClosestPoint::new(Arc::clone(&pairing.master.trace.space))).collect())
+    }
+
+    /// The closest point to `x`, with its master and the unit normal out of that; `None` beyond the rim of all masters.
+    fn facing<'a>(&self, part: &'a TiePart<S, N>, x: &Vector<N>) -> Option<(&'a BodySide<S, N>, Projection<S, N>, Vector<N>)> {
+        let feet = self.0.iter().zip(&part.pairings).filter_map(|(search, pairing)| Some((&pairing.master, search.project(x)?)));
+        let inside = feet.filter(|(_, foot)| !foot.rim);
+        let (master, foot) = inside.min_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance))?;
+        let mut map = MapTable::new();
+        master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut map);
+        let normal = master.trace.normal(foot.element, &map.jacobian[0]);
+        Some((master, foot, normal))
     }
 }
 
 /// Returns the jump u_slave - u_master of a tie as a function of points of a slave element; in elasticity its component along the master's
 /// outward normal, positive when open. Zero at points that no master faces.
-fn jumps(state: &Plane, [t, p]: [usize; 2]) -> impl Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync + use<> {
-    let state = Arc::clone(state);
-    let surfaces: Vec<Surface> =
-        state.model().ties[t].parts[p].pairings.iter().map(|pairing| Surface::new(&pairing.master.trace, None)).collect();
+fn jumps<const S: usize, const N: usize>(
+    state: &Arc<dyn State<S, N>>,
+    [t, p]: [usize; 2],
+) -> impl Fn(usize, &[Vector<S>]) -> Vec<f64> + Send + Sync + use<S, N> {
+    let (state, masters) = (Arc::clone(state), Masters::of(&state.model().ties[t].parts[p]));
     move |element, xi| {
         let (model, u) = (state.model(), &state.state().u);
         let part = &model.ties[t].parts[p];
         let mut map = MapTable::new();
         part.slave.trace.space.map(element, xi, Order::Values, &mut map);
         let own = on_trace(&part.slave.trace, model.patches[part.slave.patch].field, u, element, xi);
-        map.x
-            .iter()
-            .zip(own)
-            .map(|(x, own)| {
-                let hits = surfaces.iter().zip(&part.pairings).filter_map(|(s, pairing)| Some((s.closest(x)?, &pairing.master)));
-                let nearest = hits.min_by(|(a, _), (b, _)| a.gap.abs().total_cmp(&b.gap.abs()));
-                let Some((hit, master)) = nearest else { return 0.0 };
-                let Some(at) = hit.at else { return 0.0 };
-                let other = on_trace(&master.trace, model.patches[master.patch].field, u, at.element, &[at.xi])[0];
-                match model.components {
-                    1 => own[0] - other[0],
-                    _ => (0..2).map(|k| (own[k] - other[k]) * hit.normal[k]).sum(),
-                }
-            })
-            .collect()
+        let jump = |(x, own): (&Vector<N>, [f64; 3])| {
+            let Some((master, foot, normal)) = masters.facing(part, x) else { return 0.0 };
+            let other = on_trace(&master.trace, model.patches[master.patch].field, u, foot.element, &[foot.xi])[0];
+            match model.components {
+                1 => own[0] - other[0],
+                _ => (0..N).map(|k| (own[k] - other[k]) * normal[k]).sum(),
+            }
+        };
+        map.x.iter().zip(own).map(jump).collect()
     }
 }
 
+/// The normal of the master that faces each point of a slave element; minus that of the slave where none does.
+fn normals<const S: usize, const N: usize>(state: &Arc<dyn State<S, N>>, [t, p]: [usize; 2]) -> Field<S> {
+    let (state, masters) = (Arc::clone(state), Masters::of(&state.model().ties[t].parts[p]));
+    Box::new(move |element, xi| {
+        let part = &state.model().ties[t].parts[p];
+        let mut map = MapTable::new();
+        part.slave.trace.space.map(element, xi, Order::Gradients, &mut map);
+        let normal = |(x, jacobian)| match masters.facing(part, x) {
+            Some((_, _, normal)) => normal,
+            None => -part.slave.trace.normal(element, jacobian),
+        };
+        map.x.iter().zip(&map.jacobian).flat_map(|at| normal(at).into_iter().copied().collect::<Vec<_>>()).collect()
+    })
+}
+
 /// One point per function of a tie.
-fn by_functions(state: &Plane, [t, p]: [usize; 2]) -> Vec<SidePoint> {
+fn by_functions<const S: usize, const N: usize>(
+    state: &Arc<dyn State<S, N>>,
+    [t, p]: [usize; 2],
+    arc: Option<&ArcLength<'_, N>>,
+) -> Vec<SidePoint<N>> {
     let part = &state.model().ties[t].parts[p];
     let rows = component_rows(part);
     // components may have different functions at the ends: one point per function of the one with most
     let richest = (0..rows.len()).max_by_key(|&c| rows[c].len()).unwrap_or(0);
     let jump = jumps(state, [t, p]);
     let slave = ClosestPoint::new(&*part.slave.trace.space);
-    let arc = ArcLength::new(&*part.slave.trace.space);
-    let gap_at = |x: &Vector<2>| {
+    let gap_at = |x: &Vector<N>| {
         let found = slave.project(x)?;
         jump(found.element, &[found.xi]).first().copied()
     };
-    centres(&part.slave, &*part.multipliers[richest], Some(&arc))
+    centres(&part.slave, &*part.multipliers[richest], arc)
         .into_iter()
         .enumerate()
         .map(|(j, (s, x))| {
@@ -95,11 +130,14 @@ fn by_functions(state: &Plane, [t, p]: [usize; 2]) -> Vec<SidePoint> {
         .collect()
 }
 
-/// One point per point of the segments of a tie without multiplier, along the slave.
-fn without_rows(state: &Plane, [t, p]: [usize; 2]) -> Vec<SidePoint> {
+/// One point per point of the segments of a tie without multiplier, of curves along the slave.
+fn without_rows<const S: usize, const N: usize>(
+    state: &Arc<dyn State<S, N>>,
+    [t, p]: [usize; 2],
+    arc: Option<&ArcLength<'_, N>>,
+) -> Vec<SidePoint<N>> {
     let (model, solved) = (state.model(), state.state());
     let part = &model.ties[t].parts[p];
-    let arc = ArcLength::new(&*part.slave.trace.space);
     let (field, jump) = (TieField::of(model, part, solved.t), jumps(state, [t, p]));
     let (mut rows, mut map) = (Vec::new(), MapTable::new());
     for (k, segments) in part.pairings.iter().map(|pairing| &pairing.segments).enumerate() {
@@ -110,7 +148,7 @@ fn without_rows(state: &Plane, [t, p]: [usize; 2]) -> Vec<SidePoint> {
             part.slave.trace.space.map(element, xi, Order::Values, &mut map);
             for (i, gap) in jump(element, xi).into_iter().enumerate() {
                 rows.push(SidePoint {
-                    s: Some(arc.of(element, xi[i][0])),
+                    s: arc.map(|arc| arc.of(element, xi[i][0])),
                     x: map.x[i],
                     lambda: lambda.iter().map(|values| values[points.start + i]).collect(),
                     gap: Some(gap),
@@ -124,7 +162,7 @@ fn without_rows(state: &Plane, [t, p]: [usize; 2]) -> Vec<SidePoint> {
 }
 
 /// The multipliers of all components at a point of the slave, for components with different functions.
-fn at_centre(state: &Plane, [t, p]: [usize; 2], at: Option<Projection<1, 2>>) -> Vec<f64> {
+fn at_centre<const S: usize, const N: usize>(state: &Arc<dyn State<S, N>>, [t, p]: [usize; 2], at: Option<Projection<S, N>>) -> Vec<f64> {
     let part = &state.model().ties[t].parts[p];
     let Some(found) = at else { return vec![0.0; part.multipliers.len()] };
     let lambda = &state.state().lambda;

@@ -16,7 +16,7 @@ impl<const S: usize, const N: usize> Names<S, N>
 where
     Trace<S, N>: Dimension<S, N>,
 {
-    /// The built-in names that both dimensions have: backends, methods of contact, multipliers, integrations.
+    /// The built-in names that both dimensions have: backends, methods of contact, multipliers, couplings, integrations.
     fn of_both() -> Self {
         let mut names = Self::empty();
         names
@@ -37,6 +37,12 @@ where
         for kind in kinds {
             names.multipliers.add(&kind.to_string(), kind.into());
         }
+        let keys = |name: &str| case::built_in_couplings().into_iter().find(|e| e.name == name).map_or_else(Vec::new, |e| e.keys);
+        names
+            .couplings
+            .add_keyed("mortar", Vec::new(), Box::new(|_| Ok(Box::new(Mortar))))
+            .add_keyed("nitsche", keys("nitsche"), Box::new(|given| Ok(Box::new(nitsche(given)))))
+            .add_keyed("penalty", keys("penalty"), Box::new(|given| Ok(Box::new(penalty(given)))));
         names.integrations.add("merged", Integration::Merged.into()).add("slave", Integration::Slave.into());
         names
     }
@@ -70,18 +76,12 @@ impl Names<1, 2> {
     pub fn plane() -> Self {
         let mut names = Self::of_both();
         names.shaped = Shaped(Some(PLANE_OBSTACLES));
-        let keys = |name: &str| case::built_in_couplings().into_iter().find(|e| e.name == name).map_or_else(Vec::new, |e| e.keys);
-        names
-            .couplings
-            .add_keyed("mortar", Vec::new(), Box::new(|_| Ok(Box::new(Mortar))))
-            .add_keyed("nitsche", keys("nitsche"), Box::new(|given| Ok(Box::new(nitsche(given)))))
-            .add_keyed("penalty", keys("penalty"), Box::new(|given| Ok(Box::new(penalty(given)))));
         names
     }
 }
 
 impl Names<2, 3> {
-    /// The built-in names of space; couplings of surfaces are not in this version.
+    /// The built-in names of space.
     pub fn volume() -> Self {
         Self::of_both()
     }

@@ -11,6 +11,9 @@ use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, Origin, Place};
 
+/// Rules of integration that take the elements of one side only.
+pub(crate) const ONE_SIDED: [&str; 2] = ["slave", "mixed"];
+
 fn line(at: Place) -> String {
     at.in_file().map_or("in an option".to_owned(), |(l, _)| format!("on line {l}"))
 }
@@ -226,13 +229,13 @@ impl Reader {
         }
     }
 
-    /// Reports ties of surfaces and contact of two bodies in space, which this version does not have, and forces of obstacles that a method
-    /// cannot take.
+    /// Reports contact of two bodies in space and rules of one side of surfaces, which this version does not have, and forces of obstacles
+    /// that a method cannot take.
     pub fn surfaces(&mut self, case: &Case) {
         if case.model.dimension.value == 3 {
-            for tie in case.interfaces.iter().filter(|t| ["mortar", "nitsche", "penalty"].contains(&t.coupling.value.as_str())) {
-                let help = "share the unknowns of sides that match by coupling = \"glue\", or take a plane model";
-                self.fault("E019", tie.head.at, "interfaces between surfaces are not in this version", help);
+            for rule in case.interfaces.iter().map(|t| &t.integration).filter(|rule| ONE_SIDED.contains(&rule.value.as_str())) {
+                let message = format!("integration = {:?} between surfaces is not in this version", rule.value);
+                self.fault("E019", rule.at, message, "write integration = \"merged\", the pieces of both sides");
             }
             for c in case.contacts.iter().filter(|c| matches!(c.master, Master::Sides(_))) {
                 let help =

@@ -70,8 +70,13 @@ fn picture(output: &Output, side: &SideOutput) -> Result<String, plot::PlotError
             plot::side(&SidePlot { title: &title, contact: side.contact, rows: &side.rows, exact }, part)
         }
         SidePart::Surface(part) => {
-            let (label, sign) = if side.contact { ("pressure", -1.0) } else { ("lambda", 1.0) };
-            plot::surface(&FieldPlot { title: &title, label, field: "lambda", component: 0, range: None }, sign, part)
+            let components = part.fields.iter().find(|f| f.name == "lambda").map_or(1, |f| f.components);
+            let (label, shown): (_, plot::Shown) = match (side.contact, components) {
+                (true, _) => ("pressure", |lambda| -lambda[0]),
+                (false, 1) => ("lambda", |lambda| lambda[0]),
+                (false, _) => ("|lambda|", |lambda| lambda.iter().map(|l| l * l).sum::<f64>().sqrt()),
+            };
+            plot::surface(&FieldPlot { title: &title, label, field: "lambda", component: 0, range: None }, shown, part)
         }
     }
 }

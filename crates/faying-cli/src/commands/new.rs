@@ -28,7 +28,7 @@ macro_rules! sample {
     };
 }
 
-const SAMPLES: [Sample; 12] = [
+const SAMPLES: [Sample; 13] = [
     sample!("poisson-arc", "Poisson on a ring sector with a known solution"),
     sample!("contact-patch", "two blocks pressed together: uniform stress across meshes that do not match"),
     sample!("hertz", "a half cylinder pressed on a rigid plane, against the formula of Hertz"),
@@ -37,6 +37,7 @@ const SAMPLES: [Sample; 12] = [
     sample!("cylinder-on-block", "a steel cylinder on an aluminium block, benchmark of NAFEMS"),
     sample!("iga-fe-arc", "a NURBS ring tied to a triangle mesh"),
     sample!("seam", "two squares tied along a line, known solution: every choice of an interface can be tried on it"),
+    sample!("seam-solid", "a pipe of two layers in three dimensions, tied along a cylinder, against the formula of Lame"),
     sample!("cross-point", "three patches of a G+Smo file that meet in a point, grids that do not match", "cross-point.xml"),
     sample!(
         "iga-fe-plate",

@@ -9,8 +9,9 @@ use super::run::{MemoryLimit, end_early, too_large};
 use super::run_control::RunControl;
 use super::shapes::plane_net;
 use super::studies::{Method, Row, decided};
-use crate::case::{Case, Multiplier};
+use crate::case::{Case, Multiplier, Tie};
 use crate::errors::{Diagnostic, Diagnostics};
+use crate::place::Place;
 use crate::table::short;
 use faying::coupling::inf_sup::{InfSup, InfSupError, Measure, Norm, Question, ZERO, degree_exponent, inf_sup, slope, verdict};
 use faying::linalg::LinearError;
@@ -69,12 +70,14 @@ pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watc
     }
     let spaces = match case.model.dimension.value {
         2 => slave_spaces(case, &registry.plane, plane_net, options.ends)?,
-        _ if case.contacts.iter().any(|c| c.needs.multiplier) => {
-            let fault = Diagnostic::error("E019", "inf-sup constants of surfaces are not in this version");
-            let help = "on sides of tensor cells they are the products of those of the two directions: take a plane model of each";
-            return Err(fault.with_help(help).in_file(&case.source.name).into());
-        }
-        _ => Vec::new(),
+        _ => match on_surface(case, registry) {
+            Some(at) => {
+                let fault = Diagnostic::error("E019", "inf-sup constants of surfaces are not in this version").at(&case.source, at);
+                let help = "on sides of tensor cells they are the products of those of the two directions: take a plane model of each";
+                return Err(fault.with_help(help).into());
+            }
+            None => Vec::new(),
+        },
     };
     if spaces.is_empty() {
         let fault = Diagnostic::error("E063", "infsup needs an interface or a contact with a multiplier, and the case has none");
@@ -88,6 +91,14 @@ pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watc
         out.push(constant(s, options).map_err(|e| Diagnostics::from(fault(case, s, &e)))?);
     }
     Ok(out)
+}
+
+/// Place of the first interface or contact in space that has a multiplier.
+fn on_surface(case: &Case, registry: &Registry) -> Option<Place> {
+    let couplings = &registry.volume.couplings;
+    let has_rows = |tie: &&Tie| couplings.get(&tie.coupling.value).is_ok_and(|c| (c.make)(&tie.given).is_ok_and(|made| made.has_rows()));
+    let tie = case.interfaces.iter().find(has_rows).map(|tie| tie.head.at);
+    tie.or_else(|| case.contacts.iter().find(|c| c.needs.multiplier).map(|c| c.head.at))
 }
 
 fn constant(s: &SlaveSpaces, options: &InfSupOptions) -> Result<Constant, InfSupError> {

@@ -63,8 +63,9 @@ fn tie_fault<const S: usize, const N: usize>(
         }
         InterfaceError::Multiplier { component, error } => {
             let mut fault = multiplier_fault(builder, name, slave, error, tie.multiplier.at, N.max(2));
-            if let (MultiplierError::NothingLeft { .. }, Some(c)) = (error, component) {
-                fault.message = format!("{} (component {})", fault.message, component_name(*c, 2));
+            let at_rim = matches!(error, MultiplierError::NothingLeft { .. } | MultiplierError::NothingLeftAtEdge { .. });
+            if let Some(c) = component.filter(|_| at_rim) {
+                fault.message = format!("{} (component {})", fault.message, component_name(c, components));
             }
             fault
         }
@@ -83,6 +84,9 @@ fn tie_fault<const S: usize, const N: usize>(
                 CouplingError::Apart { distance, at: x, allowed } => {
                     too_far(builder, (slave, &masters), (*distance, &x[..N], *allowed), at)
                 }
+                CouplingError::Lost { .. } => builder
+                    .error("E023", format!("`{slave}` and {masters}: {error}"), at)
+                    .with_help("refine the sides, or exchange slave and master"),
                 other => builder.error("E023", format!("`{slave}` and {masters} do not meet: {other}"), at).with_help(CLOSER),
             }
         }

@@ -21,7 +21,7 @@ pub use iteration::{IterationPlot, iteration};
 pub use side::{ExactCurve, SidePlot, side};
 pub use solids::solids;
 pub use study::{Axis, MOST_LINES, StudyGroup, StudyLine, StudyPanel, StudyPlot, study};
-pub use surface::surface;
+pub use surface::{Shown, surface};
 
 /// Error of drawing a picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,4 +1,4 @@
-//! `interface_NAME.svg` of a surface: the side seen along its mean normal, coloured by its multiplier, with element edges.
+//! `interface_NAME.svg` of a surface: the side seen along its mean normal, coloured by a number of its multiplier, with element edges.
 
 use super::fields::Scale;
 use super::solids::{Camera, Piece, divided, draw, fineness, middle};
@@ -9,13 +9,16 @@ use faying::linalg::Vector;
 use faying::space::Space;
 use faying_files::vtu::Part;
 
-/// The picture of `sign` times the field of a surface.
+/// The number that a picture shows of the components of a field at a point.
+pub type Shown = fn(&[f64]) -> f64;
+
+/// The picture of what is `shown` of the field of a surface.
 ///
 /// # Errors
 /// [`PlotError`] where the part lacks the field or there is nothing to draw.
-pub fn surface(plot: &FieldPlot<'_>, sign: f64, part: &Part<'_, 2, 3>) -> Result<String, PlotError> {
+pub fn surface(plot: &FieldPlot<'_>, shown: Shown, part: &Part<'_, 2, 3>) -> Result<String, PlotError> {
     let lacks = || PlotError::NoField { part: part.name.clone(), field: plot.field.to_owned(), component: plot.component };
-    let field = part.fields.iter().find(|f| f.name == plot.field && plot.component < f.components).ok_or_else(lacks)?;
+    let field = part.fields.iter().find(|f| f.name == plot.field && f.components > 0).ok_or_else(lacks)?;
     let camera = Camera::from(&mean_normal(&*part.space).ok_or_else(|| PlotError::Empty(plot.title.to_owned()))?);
     let m = fineness(part.space.num_elements());
     let (mut all, mut table) = (Vec::new(), MapTable::new());
@@ -28,7 +31,7 @@ pub fn surface(plot: &FieldPlot<'_>, sign: f64, part: &Part<'_, 2, 3>) -> Result
         let mut places = table.x.iter().map(|x| camera.see(x));
         for (k, (c, edges)) in cells.into_iter().enumerate() {
             let corners: Vec<[f64; 3]> = places.by_ref().take(c.len()).collect();
-            let value = sign * values.get(k * field.components + plot.component).copied().unwrap_or(f64::NAN);
+            let value = values.get(k * field.components..(k + 1) * field.components).map_or(f64::NAN, shown);
             if corners.iter().flatten().all(|v| v.is_finite()) {
                 all.push(Piece { corners, value, edges });
             }

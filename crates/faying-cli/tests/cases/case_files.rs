@@ -544,9 +544,9 @@ fn e019_known_but_not_in_this_version() {
     fails(&volume, "E019", "contact of two bodies in space is not in this version", "[[contact]]");
     let tied = volume.replace("[[contact]]", "[[interface]]");
     let tied = tied.split("[[probe]]").next().unwrap();
-    for coupling in ["mortar", "nitsche", "penalty"] {
-        let tied = tied.replace("[[interface]]", &format!("[[interface]]\ncoupling = \"{coupling}\""));
-        fails(&tied, "E019", "interfaces between surfaces are not in this version", "[[interface]]");
+    for rule in ["slave", "mixed"] {
+        let tied = tied.replace("[[interface]]", &format!("[[interface]]\nintegration = \"{rule}\""));
+        fails(&tied, "E019", &format!("integration = \"{rule}\" between surfaces is not in this version"), &format!("\"{rule}\""));
     }
 }
 

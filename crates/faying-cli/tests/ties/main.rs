@@ -7,6 +7,7 @@ mod cross_product;
 mod direct;
 mod glue;
 mod held;
+mod in_space;
 mod integration;
 mod iterative;
 mod mortar_balance;

@@ -1,0 +1,106 @@
+//! Linear fields across grids that do not match are exact.
+
+use super::{KINDS, error, run, stacked};
+use faying_cli::result::Moment;
+
+/// Largest error of u and of lambda.
+const EXACT: f64 = 1e-9;
+
+#[test]
+fn all_pairs_of_cells_keep_linear_fields_with_mortar_and_nitsche() {
+    for degree in [1, 2] {
+        for (k, slave) in KINDS.iter().enumerate() {
+            for (l, master) in KINDS.iter().enumerate() {
+                // both physics and both couplings in turn
+                let scalar = (k + l + degree) % 2 == 0;
+                let coupling = if (k + degree) % 2 == 0 { "coupling = \"mortar\"" } else { "coupling = \"nitsche\"" };
+                let result = run(&stacked(scalar, [master, slave], degree, coupling), &[]);
+                for name in ["error.u.L2", "error.u.H1", "error.seam.lambda.L2"] {
+                    let found = error(&result, name);
+                    assert!(found < EXACT, "{name} {found:e}: {master} {slave} {degree} {coupling} {scalar}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn multipliers_by_name_and_by_data_hold_constant_tractions() {
+    for (kind, degree, multiplier, functions) in [
+        (0, 2, "\"p/p\"", None),
+        (0, 3, "\"p/p-2\"", Some(3 * 3 * 4)),
+        (2, 2, "\"p/p-2\"", Some(3 * 6)),
+        (0, 2, "\"constant\"", Some(3 * 6)),
+        (0, 3, "{ degree = 1, continuity = 0, ends = \"full\" }", Some(3 * 3 * 4)),
+        (3, 3, "\"p/p-2\"", Some(3 * 3 * 4)),
+        (3, 1, "\"p/p\"", None),
+    ] {
+        let result = run(&stacked(false, [KINDS[0], KINDS[kind]], degree, &format!("multiplier = {multiplier}")), &[]);
+        let (u, lambda) = (error(&result, "error.u.L2"), error(&result, "error.seam.lambda.L2"));
+        assert!(u < EXACT && lambda < EXACT, "{kind} {degree} {multiplier}: {u:e} {lambda:e}");
+        let found = result.interface.get("seam").unwrap().multiplier.clone().unwrap();
+        assert!(functions.is_none_or(|n| n == found.functions), "{kind} {degree} {multiplier}: {found:?}");
+        assert_eq!(found.functions, result.unknowns.multipliers);
+    }
+}
+
+/// A small box on a large one, its grid turned by `degrees` about z: a stretch along the interface without tractions across it. The upper box
+/// is held by the tie alone.
+fn turned(degrees: f64, kinds: [&str; 2], degree: usize, coupling: &str) -> String {
+    let patch = |name: &str, kind: &str, shape: &str, n: &str| {
+        format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", {shape} }}\nelements = {n}\ndegree = {degree}\n{kind}")
+    };
+    let upper = format!("min = [-0.5, -0.6, 0], max = [0.6, 0.5, 0.4], rotate_deg = {degrees}, axis = [0, 0, 1]");
+    format!(
+        "[let]\na = 0.4\nb = -0.15\nc = 0.25\nd = \"-0.3/0.7*(a + b)\"\n[model]\nphysics = \"elasticity\"\ndimension = 3\n\
+         exact = {{ u = [\"a*x + (c + 0.1)*y - 0.2*z\", \"(c - 0.1)*x + b*y + 0.3*z\", \"0.2*x - 0.3*y + d*z\"] }}\n\
+         [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n{}{}\
+         [[boundary]]\non = [\"lower.u0\", \"lower.u1\", \"lower.v0\", \"lower.v1\", \"lower.w0\"]\ndirichlet = \"exact\"\n\
+         [[boundary]]\non = [\"upper.u0\", \"upper.u1\", \"upper.v0\", \"upper.v1\", \"upper.w1\"]\ntraction = \"exact\"\n\
+         [[interface]]\nname = \"seam\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\ncoupling = \"{coupling}\"\n",
+        patch("lower", kinds[0], "min = [-1, -1, -0.5], max = [1, 1, 0]", "[4, 5, 1]"),
+        patch("upper", kinds[1], &upper, "[3, 2, 1]"),
+    )
+}
+
+#[test]
+fn grids_turned_against_each_other_keep_linear_fields_with_every_coupling() {
+    for (k, degrees) in [0.0, 17.0, 45.0].into_iter().enumerate() {
+        for (l, coupling) in ["mortar", "nitsche", "penalty"].into_iter().enumerate() {
+            let kinds = [KINDS[(k + l) % 4], KINDS[(k + 2 * l + 1) % 4]];
+            let result = run(&turned(degrees, kinds, 1 + (k + l) % 2, coupling), &[]);
+            let (u, lambda) = (error(&result, "error.u.L2"), error(&result, "error.seam.lambda.L2"));
+            assert!(u < EXACT && lambda < EXACT, "{degrees} {coupling} {kinds:?}: {u:e} {lambda:e}");
+            let seam = result.interface.get("seam").unwrap();
+            assert!((seam.segments.measure - 1.21).abs() < 1e-12 && (seam.share - 1.0).abs() < 1e-12, "{seam:?}");
+        }
+    }
+}
+
+/// With tractions across the interface a penalty lets the bodies part by lambda over its stiffness, which is the factor's inverse.
+#[test]
+fn the_gap_of_a_penalty_falls_with_its_factor() {
+    let jump = |factor: &str| {
+        let result = run(&stacked(false, [KINDS[2], KINDS[0]], 2, &format!("coupling = \"penalty\"\nfactor = {factor}")), &[]);
+        result.interface.get("seam").unwrap().jump.l2
+    };
+    let (first, second) = (jump("1e4"), jump("1e5"));
+    assert!(first > 1e-6 && (first / second - 10.0).abs() < 0.05, "{first:e} {second:e}");
+}
+
+#[test]
+fn forces_and_moments_balance_and_unknowns_meet() {
+    for kinds in [[KINDS[0], KINDS[2]], [KINDS[3], KINDS[1]]] {
+        for coupling in ["mortar", "nitsche", "penalty"] {
+            let text = stacked(false, kinds, 2, &format!("coupling = \"{coupling}\""))
+                .replace("[\"0.3*x - 0.2*y + 0.5*z\"", "[\"0.3*x*z - 0.2*y^2 + 0.5*z\"");
+            let result = run(&text, &[]);
+            let scale = result.reactions.iter().flat_map(|(_, r)| r).fold(0.0_f64, |m, v| m.max(v.abs()));
+            let Moment::Space(moment) = result.balance.moment.clone().unwrap() else { panic!("three numbers") };
+            assert!(result.balance.force.iter().chain(&moment).all(|v| v.abs() < 1e-12 * scale), "{coupling}: {:?}", result.balance);
+            let seam = result.interface.get("seam").unwrap();
+            assert!(seam.balance < 1e-12, "{coupling}: {}", seam.balance);
+            assert!(seam.lambda.norm > 0.1 && seam.distance < 1e-14, "{coupling}: {seam:?}");
+        }
+    }
+}
