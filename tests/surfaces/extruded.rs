@@ -84,7 +84,7 @@ fn same(what: &str, (plane, contact): (&Solution<1, 2>, ContactId), (space, pres
     ];
     for (x, active) in &sets[1] {
         let twin =
-            sets[0].iter().find(|(at, _)| (at - x).abs() < 1e-6).unwrap_or_else(|| panic!("{what}: no function of the plane at {x}"));
+            sets[0].iter().find(|(at, _)| (at - x).abs() < 1e-3).unwrap_or_else(|| panic!("{what}: no function of the plane at {x}"));
         assert_eq!(*active, twin.1, "{what}: the function at {x}");
     }
 }
