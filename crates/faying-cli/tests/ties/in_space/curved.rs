@@ -37,7 +37,9 @@ fn orders(text: &str, first: usize) -> [f64; 3] {
 #[test]
 fn u_converges_with_its_order_and_lambda_half_an_order_below_its_gradient() {
     for degree in [1, 2] {
-        for kinds in [[KINDS[1], KINDS[2]], [KINDS[2], KINDS[1]], [KINDS[3], KINDS[1]]] {
+        // tetrahedra of degree 1 alone: there are six for every hexahedron
+        let pairs = [[KINDS[1], KINDS[2]], [KINDS[2], KINDS[1]], [KINDS[3], KINDS[1]]];
+        for kinds in pairs.into_iter().take(4 - degree) {
             let (found, p) = (orders(&pipe(kinds, degree, "p/p"), degree), degree as f64);
             let least = [p + 1.0, p, p - 0.5];
             assert!(found.iter().zip(least).all(|(order, least)| *order > least - 0.2), "{kinds:?} {degree}: {found:?}");
