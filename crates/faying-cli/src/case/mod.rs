@@ -45,7 +45,6 @@ pub(crate) use names::{built_in_couplings, built_in_methods};
 pub use opened::sha256;
 pub use part::{FilePart, MeshPart};
 pub use read::{ReadOptions, not_found};
-pub(crate) use relations::ONE_SIDED;
 pub use schema::schema;
 pub(crate) use sides::{alias, canonical, quoted};
 pub use types::*;

@@ -11,9 +11,6 @@ use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, Origin, Place};
 
-/// Rules of integration that take the elements of one side only.
-pub(crate) const ONE_SIDED: [&str; 2] = ["slave", "mixed"];
-
 fn line(at: Place) -> String {
     at.in_file().map_or("in an option".to_owned(), |(l, _)| format!("on line {l}"))
 }
@@ -229,18 +226,14 @@ impl Reader {
         }
     }
 
-    /// Reports contact of two bodies in space and rules of one side of surfaces, which this version does not have, and forces of obstacles
-    /// that a method cannot take.
+    /// Reports mixed integration of surfaces, which this version does not have, and forces of obstacles that a method cannot take.
     pub fn surfaces(&mut self, case: &Case) {
         if case.model.dimension.value == 3 {
-            for rule in case.interfaces.iter().map(|t| &t.integration).filter(|rule| ONE_SIDED.contains(&rule.value.as_str())) {
-                let message = format!("integration = {:?} between surfaces is not in this version", rule.value);
-                self.fault("E019", rule.at, message, "write integration = \"merged\", the pieces of both sides");
-            }
-            for c in case.contacts.iter().filter(|c| matches!(c.master, Master::Sides(_))) {
-                let help =
-                    "make the stiffer body a rigid obstacle, or take a plane model of the cross-section: contact between lines is there";
-                self.fault("E019", c.head.at, "contact of two bodies in space is not in this version", help);
+            let of_bodies = case.contacts.iter().filter(|c| matches!(c.master, Master::Sides(_)));
+            let rules = case.interfaces.iter().map(|t| &t.integration).chain(of_bodies.map(|c| &c.integration));
+            for rule in rules.filter(|rule| rule.value == "mixed") {
+                let help = "write integration = \"merged\", the pieces of both sides, or \"slave\"";
+                self.fault("E019", rule.at, "integration = \"mixed\" between surfaces is not in this version", help);
             }
         }
         for c in case.contacts.iter().filter(|c| !c.needs.pressed) {

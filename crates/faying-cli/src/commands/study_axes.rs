@@ -4,7 +4,7 @@ use super::arguments::StudyArguments;
 use super::case::Loaded;
 use super::ended::Exit;
 use super::study::StudyKind;
-use crate::case::{Names, ONE_SIDED, StudyValues};
+use crate::case::{Names, StudyValues};
 use crate::errors::{Diagnostic, nearest};
 use crate::place::Located;
 use crate::registry::is_glue;
@@ -55,10 +55,9 @@ pub fn axes(kind: &StudyKind, options: &StudyArguments, table: Option<&Located<S
     }
     // the default leaves out `mixed` if the case cannot have it; given values stay
     let no_mixed = loaded.case.interfaces.iter().any(|t| !is_glue(&t.coupling.value) && !r.names().has_rows(&t.coupling.value))
-        || loaded.case.contacts.iter().any(|c| !c.needs.mixed);
-    // and rules of one side between surfaces
-    let no_one_sided = loaded.case.model.dimension.value == 3;
-    let has = |word: &str| (word != "mixed" || !no_mixed) && !(no_one_sided && ONE_SIDED.contains(&word));
+        || loaded.case.contacts.iter().any(|c| !c.needs.mixed)
+        || loaded.case.model.dimension.value == 3;
+    let has = |word: &str| word != "mixed" || !no_mixed;
     let usual: Vec<&str> = kind.integrations.iter().copied().filter(|word| has(word)).collect();
     let integrations = r.list("integration", options.integration.as_deref(), &values.integration, words(&usual))?;
     for name in &integrations.list {

@@ -3,6 +3,7 @@
 
 mod active_set;
 mod blocked;
+mod bodies_in_space;
 mod by_program;
 mod common;
 mod cones;

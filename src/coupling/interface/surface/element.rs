@@ -10,6 +10,7 @@ use super::piece::{LineRule, Piece};
 use super::polygon::Polygon;
 use super::regions::{Region, Regions, may_face, regions};
 use super::skeleton::Skeleton;
+use super::slave::Own;
 use crate::basis::Order;
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable, cross, opposes, unit_normal};
@@ -270,16 +271,22 @@ impl<'a> Sides<'a> {
         }
         let (own, other) = (&work.facets.list[work.facet], &self.master.facets.list[region.facet]);
         let at: Vec<Vector<2>> = points.iter().map(|p| p.0).collect();
-        let (x, ds, normal) = {
+        let (x, ds, normals) = {
             let here = chart.eval(&at);
-            let ds: Vec<f64> = here.jacobian.iter().zip(points).map(|(j, p)| cross(j).norm() * p.1).collect();
-            (here.x.clone(), ds, cross(&here.jacobian[0]))
+            let normals: Vec<Vector<3>> = here.jacobian.iter().map(cross).collect();
+            let ds: Vec<f64> = normals.iter().zip(points).map(|(n, p)| n.norm() * p.1).collect();
+            (here.x.clone(), ds, normals)
         };
         let measure: f64 = ds.iter().sum();
         let center = x.iter().zip(&ds).fold(Vector::zeros(), |s: Vector<3>, (x, w)| s + x * *w) / measure.max(f64::MIN_POSITIVE);
         let feet = self.master.feet(region.facet, &center, &x, table);
-        if !self.faces(own.element, other.element, &normal, region.facet, &feet[0], table) {
+        if !self.faces(own.element, other.element, &normals[0], region.facet, &feet[0], table) {
             return false;
+        }
+        // far from the master feet on one continued facet may end: each point takes the facet of its own closest point
+        if !self.partners.touch() && feet.iter().any(|foot| !foot.found) {
+            let point = |q: usize| Own { x: x[q], normal: normals[q], xi: own.local(&at[q]), ds: ds[q] };
+            return self.closest(own.size, (0..x.len()).map(point), part, table);
         }
         let lengths = [own.size, other.size];
         let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], lengths);

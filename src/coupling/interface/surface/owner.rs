@@ -35,7 +35,7 @@ pub(super) struct Foot {
     pub eta: Vector<2>,
     pub x: Vector<3>,
     /// Whether Newton's method ended at a foot.
-    found: bool,
+    pub found: bool,
 }
 
 impl<'a> MasterSurface<'a> {

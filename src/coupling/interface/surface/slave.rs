@@ -12,6 +12,7 @@ use super::polygon::Polygon;
 use crate::basis::{Cell, Order};
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable, cross, opposes, unit_normal};
+use crate::linalg::Vector;
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -76,36 +77,59 @@ impl OwnPoints<'_, '_> {
         let ds: Vec<f64> = here.jacobian.iter().zip(&rule.weights).map(|(j, w)| cross(j).norm() * w).collect();
         part.measure = ds.iter().sum();
         let own_size = sides.slave.of(element).map(|s| sides.slave.list[s].size).fold(f64::INFINITY, f64::min);
-        let outward = sides.partners.outward(slave, element);
-        let mut pieces: BTreeMap<usize, Vec<Point<2, f64>>> = BTreeMap::new();
-        let mut paired = 0;
-        for (q, x) in here.x.iter().enumerate() {
-            let Some((f, foot)) = sides.master.place(x, &mut table) else { continue };
-            let master = &sides.master.facets;
-            let facet = &master.list[f];
-            let (allowed, is_error) = sides.partners.allowed(sides.sizes[1], sides.sizes[0], [own_size, facet.size]);
-            let distance = (x - foot.x).norm();
-            if !is_error && distance > allowed {
-                continue;
-            }
-            if let Some((a, b)) = outward.zip(master.map.outward(facet.element)) {
-                master.at(f, &[foot.eta], Order::Gradients, &mut table);
-                if !opposes(&unit_normal(&here.jacobian[q], a), &unit_normal(&table.jacobian[0], b)) {
-                    continue;
-                }
-            }
-            part.covered += ds[q];
-            part.see(x, distance, allowed);
-            paired += 1;
-            pieces.entry(facet.element).or_default().push((rule.points[q], facet.local(&foot.eta), ds[q]));
-        }
-        part.whole = paired == ds.len();
-        part.pieces = pieces.into_iter().collect();
+        let at = |q: usize| Own { x: here.x[q], normal: cross(&here.jacobian[q]), xi: rule.points[q], ds: ds[q] };
+        part.whole = sides.closest(own_size, (0..ds.len()).map(at), &mut part, &mut table);
         part
     }
 }
 
+/// A point of a slave element: place, a normal, local coordinates and weight.
+pub(super) struct Own {
+    pub x: Vector<3>,
+    pub normal: Vector<3>,
+    pub xi: Vector<2>,
+    pub ds: f64,
+}
+
 impl Sides<'_> {
+    /// Appends points of the element of `part`, of a facet of the size `own_size`, each with its closest point on the master; returns whether
+    /// all have one.
+    pub(super) fn closest(
+        &self,
+        own_size: f64,
+        points: impl Iterator<Item = Own>,
+        part: &mut SlavePieces<2, f64>,
+        table: &mut MapTable<2, 3>,
+    ) -> bool {
+        let outward = self.partners.outward(self.slave.map, part.element);
+        let mut pieces: BTreeMap<usize, Vec<Point<2, f64>>> = BTreeMap::new();
+        let mut all = true;
+        for own in points {
+            let found = self.master.place(&own.x, table).filter(|(f, foot)| {
+                let (master, facet) = (&self.master.facets, &self.master.facets.list[*f]);
+                let (allowed, is_error) = self.partners.allowed(self.sizes[1], self.sizes[0], [own_size, facet.size]);
+                if !is_error && (own.x - foot.x).norm() > allowed {
+                    return false;
+                }
+                outward.zip(master.map.outward(facet.element)).is_none_or(|(a, b)| {
+                    master.at(*f, &[foot.eta], Order::Gradients, table);
+                    opposes(&(own.normal * (a / own.normal.norm().max(f64::MIN_POSITIVE))), &unit_normal(&table.jacobian[0], b))
+                })
+            });
+            let Some((f, foot)) = found else {
+                all = false;
+                continue;
+            };
+            let facet = &self.master.facets.list[f];
+            let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], [own_size, facet.size]);
+            part.covered += own.ds;
+            part.see(&own.x, (own.x - foot.x).norm(), allowed);
+            pieces.entry(facet.element).or_default().push((own.xi, facet.local(&foot.eta), own.ds));
+        }
+        part.pieces.extend(pieces);
+        all
+    }
+
     /// Whether a rim of the master may cross a slave element: one of its candidates has a rim.
     fn may_end(&self, element: usize) -> bool {
         let skeleton = &self.master.skeleton;

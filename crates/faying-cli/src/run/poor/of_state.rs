@@ -72,6 +72,14 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             ),
             "give the slave side smaller elements where it touches (elements, grade, refine)",
         ),
+        Warning::LostParts { elements, x, .. } => (
+            format!(
+                "the pieces of integration of contact \"{name}\" lose a part of {elements} elements of the slave that face the master, the first \
+                 at {}; its pressure there may be off",
+                place(x)
+            ),
+            "take smaller elements where sides are kinked, exchange slave and master, or write integration = \"slave\"",
+        ),
         Warning::LostMoment { apart, moment, share, .. } => (
             format!(
                 "interface \"{name}\" loses a moment: its sides are up to {} apart, and its forces on both have the moment {} about that gap, \

@@ -1,0 +1,85 @@
+//! Contact of two bodies in space from case files.
+
+use faying_cli::case::ReadOptions;
+use faying_cli::{Case, Registry, RunResult};
+
+fn run(text: &str) -> RunResult {
+    let case = Case::parse("case.toml", text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    assert_eq!(result.exit, 0, "{:?}\n{text}", result.diagnostics);
+    result
+}
+
+const HEAD: &str = "[model]\nphysics = \"elasticity\"\ndimension = 3\n[discretization]\nbackend = \"iga\"\ndegree = 2\n\
+    [[material]]\nname = \"m\"\nyoung = 1000.0\npoisson = 0.3\n";
+
+/// Two blocks on grids that do not match, pressed by 2; `cells` are those of both, `keys` those of the contact.
+fn stacked(cells: [&str; 2], keys: &str) -> String {
+    let patch = |name: &str, z: [f64; 2], elements: &str, cells: &str| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = [0, 0, {}], max = [1, 1, {}] }}\nelements = {elements}\n{cells}\n",
+            z[0], z[1]
+        )
+    };
+    HEAD.to_owned()
+        + &patch("lower", [0.0, 0.5], "[4, 4, 2]", cells[0])
+        + &patch("upper", [0.5, 1.0], "[3, 3, 2]", cells[1])
+        + "[[boundary]]\non = \"lower.bottom\"\nfix = [\"z\"]\n[[boundary]]\non = [\"lower.left\", \"upper.left\"]\nfix = [\"x\"]\n\
+           [[boundary]]\non = [\"lower.front\", \"upper.front\"]\nfix = [\"y\"]\n[[boundary]]\non = \"upper.top\"\npressure = 2.0\n\
+           [[probe]]\nname = \"uz\"\nquantity = \"u.z at [0.3, 0.4, 1]\"\n"
+        + &format!("[[contact]]\nname = \"c\"\n{keys}\n")
+}
+
+#[test]
+fn a_uniform_pressure_passes_between_all_pairs_by_every_method() {
+    let cells = ["backend = \"iga\"", "backend = \"fe\"", "backend = \"fe\"\ncells = \"simplex\""];
+    let roles = ["slave = \"upper.bottom\"\nmaster = \"lower.top\"", "slave = \"lower.top\"\nmaster = \"upper.bottom\""];
+    for (k, (a, b)) in cells.iter().flat_map(|a| cells.iter().map(move |b| (a, b))).enumerate() {
+        for method in ["lagrange", "augmented", "nitsche"] {
+            let result = run(&stacked([a, b], &format!("method = \"{method}\"\n{}", roles[k % 2])));
+            let found = result.contact.get("c").unwrap();
+            assert!((found.pressure.max - 2.0).abs() < 1e-8 && (found.pressure.min - 2.0).abs() < 1e-8, "{a} {b} {method}: {found:?}");
+            assert!((found.force[2].abs() - 2.0).abs() < 1e-10 && (found.area - 1.0).abs() < 1e-10, "{a} {b} {method}: {found:?}");
+            let uz = result.probes[0].value;
+            assert!((uz + 2e-3).abs() < 1e-9, "{a} {b} {method}: {uz}");
+        }
+    }
+}
+
+/// A hollow ball pressed on a block that reaches beyond it, both as slave: its force is the one that holds the block, and roles
+/// change it by what elements as wide as the zone allow.
+#[test]
+fn a_ball_on_a_wider_block_is_pressed_with_either_role() {
+    let text = |roles: &str| {
+        HEAD.to_owned()
+            + "[[patch]]\nname = \"ball\"\nelements = [8, 8, 3]\n\
+               geometry = { kind = \"sphere-octant\", radius = [0.5, 1.0], rotate_deg = -90, axis = [1, 0, 0], move = [0, 0, 1.0] }\n\
+               [[patch]]\nname = \"block\"\nelements = [8, 8, 4]\ngeometry = { kind = \"box\", min = [0, 0, -1], max = [1, 1, 0] }\n\
+               grade = { toward = { u = 0.0, v = 0.0, w = 1.0 }, ratio = 0.2 }\n\
+               [[boundary]]\non = \"block.bottom\"\nfix = [\"x\", \"y\", \"z\"]\n[[boundary]]\non = [\"block.u0\", \"ball.u1\"]\nfix = [\"x\"]\n\
+               [[boundary]]\non = [\"block.v0\", \"ball.v0\"]\nfix = [\"y\"]\n[[boundary]]\non = \"ball.u0\"\ndirichlet = { z = -0.05 }\n\
+               [[probe]]\nname = \"f\"\nquantity = \"reaction.block.bottom.z\"\n[[contact]]\nname = \"c\"\nsymmetry = true\n"
+            + roles
+    };
+    let forces = ["slave = \"block.top\"\nmaster = \"ball.w1\"\n", "slave = \"ball.w1\"\nmaster = \"block.top\"\n"].map(|roles| {
+        let result = run(&text(roles));
+        let force = result.contact.get("c").unwrap().force[2].abs();
+        let held = result.probes[0].value;
+        assert!((force - held.abs()).abs() < 1e-9 * force, "{force} and {held}");
+        force
+    });
+    assert!((forces[0] / forces[1] - 1.0).abs() < 0.06, "{forces:?}");
+}
+
+#[test]
+fn what_surfaces_do_not_have_is_refused_at_its_line() {
+    let roles = "slave = \"upper.bottom\"\nmaster = \"lower.top\"";
+    for (key, code) in [("integration = \"mixed\"", "E019"), ("multiplier = \"dual\"", "E064")] {
+        let text = stacked(["backend = \"iga\""; 2], &format!("{key}\n{roles}"));
+        let error = match Case::parse("case.toml", &text, &ReadOptions::default()) {
+            Err(faults) => faults.to_string(),
+            Ok(case) => case.run(&Registry::default()).expect_err("refused").to_string(),
+        };
+        assert!(error.contains(code) && error.contains(key.split(' ').next().unwrap()), "{key}: {error}");
+    }
+}
