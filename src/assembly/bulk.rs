@@ -57,7 +57,8 @@ where
     let mut pattern = Pattern::new(space);
     let places = places(space, &pattern, C);
     let cells = CellSpace::new(&pattern, space, quadrature);
-    let new = if cells.is_some() { pattern.csr_once(C) } else { pattern.csr(C) };
+    // terms of lower order are added to rows of the pattern afterwards
+    let new = if cells.is_some() && form.lower.is_none() { pattern.csr_once(C) } else { pattern.csr(C) };
     let mut matrix = new.with_dof_coordinates(places);
     // cells write zeros before they add: reading a new page of memory before writing it costs two page faults
     let add = cells.is_none();

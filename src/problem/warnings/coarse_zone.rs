@@ -25,8 +25,8 @@ pub(super) fn coarse_zones<const S: usize, const N: usize>(model: &Model<S, N>, 
             closed += own;
             facing += all;
         }
-        // a half model has half of the zone, in one direction
-        let least = FEWEST.pow(S as u32) / if contact.symmetry { 2 } else { 1 };
+        // half a model of the plane has half of the zone; in space a few functions more decide about the pressure
+        let least = FEWEST.pow(S as u32) / if contact.symmetry && S == 1 { 2 } else { 1 };
         let missed = closed == 0 && deepest > MISSED * model.size;
         if missed || 0 < closed && closed < least && closed != facing {
             found.push(Warning::CoarseZone { of: Subject::contact(model, k), closed, least });

@@ -72,6 +72,7 @@ fn a_block_moves_by_force_over_foundation_and_its_forces_balance() {
         + "[[check]]\nquantity = \"u.z at [0.3, 0.1, 0.7]\"\nequals = 0.1\nrtol = 1e-10\n";
     run(&space, "iga");
     run(&space, "fe");
+    run(&space.replace("[[material]]", "[discretization]\ncells = \"simplex\"\n[[material]]"), "fe");
 }
 
 #[test]
@@ -123,8 +124,9 @@ fn a_tube_of_a_case_has_the_numbers_of_lame_and_of_the_full_circle() {
         check("area.t", "\"0.5*pi*(4 - 1)\"", "1e-12"),
         check("length.t.left", "\"2*pi*0.5\"", "1e-12"),
     ];
-    for backend in ["iga", "fe"] {
-        let result = run(&(TUBE.to_owned() + &checks.concat()), backend);
+    let triangles = TUBE.replace("degree = 3", "degree = 3\ncells = \"simplex\"");
+    for (tube, backend) in [(TUBE, "iga"), (TUBE, "fe"), (&triangles, "fe")] {
+        let result = run(&(tube.to_owned() + &checks.concat()), backend);
         assert_eq!(result.checks_performed, checks.len());
         assert!(result.warnings.is_empty(), "{:?}", result.warnings);
         assert!(result.balance.force.iter().all(|f| f.abs() <= 1e-11), "{:?}", result.balance);
