@@ -33,7 +33,7 @@ pub(super) fn contact_along<const S: usize, const N: usize>(
 /// lambda, gap, status and lambda again, and the rows of the table.
 type Shown<const S: usize, const N: usize> = ([Field<S>; 4], Vec<SidePoint<N>>);
 
-/// Those of a contact with multiplier functions, and one point per function.
+/// Fields of a contact with multiplier functions, and one point per function.
 fn by_functions<const S: usize, const N: usize>(
     state: &Arc<dyn State<S, N>>,
     [c, p]: [usize; 2],
@@ -59,7 +59,7 @@ fn by_functions<const S: usize, const N: usize>(
     (fields, centres.map(point).collect())
 }
 
-/// Those of a contact without multiplier, and one point per point of the segments, of curves along the slave.
+/// Fields of a contact without multiplier, and one point per point of the segments, of curves along the slave.
 fn by_points<const S: usize, const N: usize>(
     state: &Arc<dyn State<S, N>>,
     [c, p]: [usize; 2],

@@ -135,7 +135,11 @@ impl<const S: usize, const N: usize> Regions<S, N> {
         let number = self.number(bodies, body, side)?;
         match &self.list[number][..] {
             [Piece::Side(side)] => Ok(side.clone()),
-            _ => Err(bodies[body].body.trace(side).expect_err("what has a trace is a side")),
+            _ => {
+                let body = &bodies[body].body;
+                let unknown = || SideError::Unknown { side: side.to_owned(), known: body.sides().join(", ") };
+                Err(body.trace(side).err().unwrap_or_else(unknown))
+            }
         }
     }
 }

@@ -59,7 +59,7 @@ fn meeting_sides(name: &str) -> Option<Vec<&str>> {
     all.filter(|list| list.len() > 1 && 2 * list.len() == name.len())
 }
 
-/// What is no side and takes supports and forces.
+/// A place of supports and forces that is no side.
 enum Below<'a> {
     /// The edge or corner in which sides meet.
     Meeting(Vec<&'a str>),

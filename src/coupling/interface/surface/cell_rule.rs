@@ -78,7 +78,7 @@ fn filled(chain: &[Piece], poles: &[Vector<2>], rule: &LineRule, depth: usize, o
     }
 }
 
-/// How a region lies to the poles.
+/// Position of a region to the poles.
 enum Beside {
     Nothing,
     /// Near one that is no corner, or at several: to be halved.

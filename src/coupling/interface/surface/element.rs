@@ -213,7 +213,7 @@ impl<'a> Sides<'a> {
         found.into_iter().filter(|&f| may_face(work.facets, work.facet, &self.master.facets, f, self.sign(work.whole, f))).collect()
     }
 
-    /// How far partners of a facet may be: distances at its corners and centre, but not beyond what is allowed.
+    /// Largest distance of partners of a facet: that at its corners and centre, but not beyond what is allowed.
     fn reach(&self, work: &Work<'_, 'a>, allowed: f64, table: &mut MapTable<2, 3>) -> f64 {
         let polygon = work.facets.list[work.facet].polygon;
         let mut points: Vec<Vector<2>> = (0..polygon.sides()).map(|k| polygon.corner(k)).collect();
@@ -317,7 +317,7 @@ impl<'a> Sides<'a> {
     }
 }
 
-/// What was done of a facet: the share that has points, and whether a part is lost.
+/// Coverage of a facet: the share that has points, and whether a part is lost.
 #[derive(Clone, Copy)]
 struct Done {
     share: f64,
