@@ -134,7 +134,7 @@ fn measured(name: &str, [p, n]: [usize; 2], system: &System, options: &Options) 
     let (mut runs, mut entries, mut refinements, mut condition) = (Vec::new(), 0, 0, 0.0);
     for _ in 0..options.reps {
         let order = timed(|| {
-            let order = ordering::nested_dissection(&ptr, &cols, faying::linalg::Operator::places(matrix));
+            let order = ordering::nested_dissection(&ptr, &cols, faying::linalg::Operator::dof_coordinates(matrix));
             order.map(|order| ordering::postordered(&ptr, &cols, &order))
         });
         drop(order.0);
@@ -193,7 +193,8 @@ pub fn export(system: &System, folder: &Path) -> std::io::Result<()> {
         }
         ptr.write_all(&end.to_le_bytes())?;
     }
-    for (name, numbers) in [("rhs.f64", &system.load[..]), ("places.f64", faying::linalg::Operator::places(&system.matrix).as_flattened())]
+    for (name, numbers) in
+        [("rhs.f64", &system.load[..]), ("places.f64", faying::linalg::Operator::dof_coordinates(&system.matrix).as_flattened())]
     {
         let mut out = file(name)?;
         numbers.iter().try_for_each(|v| out.write_all(&v.to_le_bytes()))?;

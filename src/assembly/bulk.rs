@@ -1,9 +1,9 @@
 //! Bulk matrices: sum factorisation on spaces of tensor-product patches, loops over elements on others.
 
-use super::cells::CellSpace;
 use super::pattern::Pattern;
-use super::sum_factorization::{Ask, Glue, Patches};
-use super::{Form, lower_sums, places, plain};
+use super::simd_cells::CellSpace;
+use super::sum_factorization::{Glue, MapEvaluator, Patches};
+use super::{Form, dof_coordinates, lower_sums, plain};
 use crate::basis::Order;
 use crate::geometry::MapTable;
 use crate::linalg::{Csr, Real, Vector, lit, to_f64};
@@ -12,7 +12,7 @@ use crate::space::Space;
 use std::sync::Arc;
 
 /// Returns the map of `space` as a closure on `f64`: x and the tangents at local points of an element.
-pub(super) fn ask<'a, const D: usize, const N: usize, T, S>(space: &'a S) -> Box<Ask<'a>>
+pub(super) fn ask<'a, const D: usize, const N: usize, T, S>(space: &'a S) -> Box<MapEvaluator<'a>>
 where
     T: Real,
     S: Space<D, N, T> + ?Sized,
@@ -55,7 +55,7 @@ where
         return matrix;
     }
     let mut pattern = Pattern::new(space);
-    let places = places(space, &pattern, C);
+    let places = dof_coordinates(space, &pattern, C);
     let cells = CellSpace::new(&pattern, space, quadrature);
     // terms of lower order are added to rows of the pattern afterwards
     let new = if cells.is_some() && form.lower.is_none() { pattern.csr_once(C) } else { pattern.csr(C) };
@@ -245,7 +245,7 @@ where
         return matrix;
     }
     let pattern = Pattern::new(space);
-    let mut matrix = pattern.csr(1).with_dof_coordinates(places(space, &pattern, 1));
+    let mut matrix = pattern.csr(1).with_dof_coordinates(dof_coordinates(space, &pattern, 1));
     match CellSpace::new(&pattern, space, quadrature) {
         Some(cells) => cells.mass(&pattern, &mut matrix),
         None => plain::add_mass(&pattern, space, quadrature, &mut matrix),

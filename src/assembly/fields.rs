@@ -1,8 +1,8 @@
 //! A field with its gradient at the points of all elements.
 
 use super::bulk::ask;
-use super::cells::Sums;
 use super::scratch::Scratch;
+use super::simd_cells::Sums;
 use super::sum_factorization::Patches;
 use super::{Coefficient, Form, Tangent};
 use crate::linalg::{Matrix, Real, Vector};

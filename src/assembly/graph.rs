@@ -3,7 +3,7 @@
 //! Every task owns a range of functions, visits the elements that reach them and writes only its own rows, in an order that does not
 //! depend on the number of owners. Everything is linear in the number of entries, and nothing is sorted.
 
-use super::cells::{BATCH, Slot};
+use super::simd_cells::{BATCH, Slot};
 use crate::basis::{Basis, Listed};
 use crate::linalg::{Buffer, Real};
 use rayon::prelude::*;

@@ -1,10 +1,10 @@
 //! The internal forces of a state and its energy: the residual to which a form with a state is the derivative.
 
 use super::bulk::ask;
-use super::cells::Sums;
 use super::check_field;
 use super::fields::field_at;
 use super::scratch::Scratch;
+use super::simd_cells::Sums;
 use super::sum_factorization::{Patches, QuadraturePoints};
 use super::vectors::add_elements;
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};

@@ -1,8 +1,8 @@
 //! Linear forms: loads inside a body and on its sides, springs on sides, measures.
 
 use super::bulk::ask;
-use super::cells::Sums;
 use super::scratch::Scratch;
+use super::simd_cells::Sums;
 use super::sum_factorization::{Patches, QuadraturePoints};
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::geometry::MapTable;

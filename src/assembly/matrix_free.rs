@@ -5,7 +5,7 @@ use super::fields::tangent_at;
 use super::scratch::Scratch;
 use super::sum_factorization::{Free, Patches};
 use super::vectors::add_elements;
-use super::{Form, Pattern, contract, lower_sums, places};
+use super::{Form, Pattern, contract, dof_coordinates, lower_sums};
 use crate::linalg::{Matrix, Operator, Real, Vector};
 use crate::quadrature::{Quadrature, TensorRule};
 use crate::space::Space;
@@ -70,7 +70,7 @@ where
         let grid = Patches::new(space, quadrature, &map, &asks).and_then(|patches| Free::new(patches, form, keeps));
         let places = match Patches::new(space, &TensorRule::gauss([2; N]), &map, &asks) {
             Some(patches) => patches.mean_coordinates(C),
-            None => places(space, &Pattern::new(space), C),
+            None => dof_coordinates(space, &Pattern::new(space), C),
         };
         Self { space, quadrature, form, grid, places }
     }
@@ -161,7 +161,7 @@ where
         diagonal
     }
 
-    fn places(&self) -> &[[f64; 3]] {
+    fn dof_coordinates(&self) -> &[[f64; 3]] {
         &self.places
     }
 }

@@ -1,8 +1,8 @@
 //! Norms of errors: L2, H1 semi-norm, energy.
 
 use super::bulk::ask;
-use super::cells::Sums;
 use super::fields::{field_at, tangent_at};
+use super::simd_cells::Sums;
 use super::sum_factorization::{Patches, QuadraturePoints};
 use super::{Form, contract, lower_sums, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};

@@ -1,7 +1,7 @@
 //! Sparsity pattern of a bulk matrix: elements to functions, functions to elements, rows with ascending columns.
 
-use super::cells::Slots;
 use super::graph::Graph;
+use super::simd_cells::Slots;
 use super::sum_factorization::numbering;
 use crate::basis::{Basis, Block, Elements};
 use crate::linalg::{Buffer, Csr, Real, Sparsity};

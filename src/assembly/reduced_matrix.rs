@@ -15,10 +15,10 @@ impl<T: Real> Reduced<T> {
             Some(c) => self.in_blocks(matrices, c),
             None => self.by_entries(matrices),
         };
-        if matrices.bodies.iter().any(|m| m.places().len() != m.num_rows()) {
+        if matrices.bodies.iter().any(|m| m.dof_coordinates().len() != m.num_rows()) {
             return matrix;
         }
-        let places: Vec<[f64; 3]> = matrices.bodies.iter().flat_map(|m| m.places().iter().copied()).collect();
+        let places: Vec<[f64; 3]> = matrices.bodies.iter().flat_map(|m| m.dof_coordinates().iter().copied()).collect();
         matrix.with_dof_coordinates(self.free.iter().map(|&i| places[i]).collect())
     }
 

@@ -57,7 +57,7 @@ pub fn operator(a: &dyn Operator) -> Result<(), String> {
             }
         }
     }
-    let places = a.places();
+    let places = a.dof_coordinates();
     if !(places.is_empty() || places.len() == n) {
         return Err(format!("operator: {} places for {n} unknowns; one each, or none", places.len()));
     }

@@ -76,7 +76,7 @@ impl ConstraintSolver<f64> for Condensed {
         }
         let enforced: Vec<usize> = (0..m).filter(|&a| s.enforced[a]).collect();
         let reduced = eliminate(&s, &enforced, &slave)?;
-        let map = Map::of(&s, &enforced, &reduced, system.stiffness.places());
+        let map = Map::of(&s, &enforced, &reduced, system.stiffness.dof_coordinates());
         let (block, block_transposed) = pivot_blocks(&s, &enforced, &reduced);
         self.pivots.prepare(&block)?;
         self.pivots_transposed.prepare(&block_transposed)?;
@@ -109,7 +109,7 @@ impl ConstraintSolver<f64> for Condensed {
             ("condensed, conjugate gradients", answer)
         } else {
             self.ldlt.prepare(&stiffness)?;
-            self.ldlt.refuse_negative(&Upper::of(&stiffness), stiffness.num_rows(), stiffness.places())?;
+            self.ldlt.refuse_negative(&Upper::of(&stiffness), stiffness.num_rows(), stiffness.dof_coordinates())?;
             let (u, l, size) = s.refined(&scale, MAX_REFINEMENTS, |r1, r2| {
                 self.correct(&s, &map, &enforced, &reduced, blocks, r1, r2, |b, y| self.ldlt.solve(&stiffness, b, y).map(|_| ()))
             })?;

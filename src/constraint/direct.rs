@@ -102,7 +102,7 @@ impl Direct {
         let kind = kinds_of_set(system.kind, &vec![true; system.kind.len()]);
         // only the symmetric part is factorised, whatever the reaction
         let s = Scaled::of(&ConstrainedSystem { kind: &kind, reaction: None, ..*system })?;
-        let places = system.stiffness.places();
+        let places = system.stiffness.dof_coordinates();
         let symmetric = system.reaction.is_none_or(|b| b == system.constraint);
         if let Some(contact) = s.interface(system.kind).filter(|_| symmetric)
             && let Some(bytes) = self.interface.predict(&s, &contact, places)?
@@ -218,7 +218,7 @@ impl ConstraintSolver<f64> for Direct {
             _ => Scaled::of(&of_set)?,
         };
         let shared = match s.interface(system.kind) {
-            Some(contact) => self.interface.solve(&s, &contact, system.stiffness.places(), again),
+            Some(contact) => self.interface.solve(&s, &contact, system.stiffness.dof_coordinates(), again),
             None => Ok(None),
         };
         if s.reaction.is_some() {
@@ -247,7 +247,7 @@ impl ConstraintSolver<f64> for Direct {
             _ => Scaled::of(&closed)?,
         };
         let alone = match s.interface(system.kind) {
-            Some(contact) => self.interface.alone(&s, &contact, groups, system.stiffness.places(), again)?,
+            Some(contact) => self.interface.alone(&s, &contact, groups, system.stiffness.dof_coordinates(), again)?,
             None => None,
         };
         self.kept = Some(s.into());
@@ -266,7 +266,7 @@ impl Direct {
         let (method, answer, condition) = if s.reaction.is_some() || !s.symmetric {
             (LU, self.general(s)?, None)
         } else {
-            let (first, condition) = self.quasi_definite(s, system.stiffness.places())?;
+            let (first, condition) = self.quasi_definite(s, system.stiffness.dof_coordinates())?;
             if first.2 > RESIDUAL_LIMIT && small {
                 // the residual reached is more informative than the error of LU
                 let residual = first.2;

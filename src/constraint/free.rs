@@ -75,7 +75,7 @@ impl<L: LinearSolver<f64>> ConstraintSolver<f64> for PenaltyElimination<L> {
             return Err(SolveError::ExactRow { row });
         }
         let w: Vec<f64> = (0..m).map(|a| if s.enforced[a] { 1.0 / s.compliance[a] } else { 0.0 }).collect();
-        let matrix = penalised(&s, &s.columns, &w, system.stiffness.places());
+        let matrix = penalised(&s, &s.columns, &w, system.stiffness.dof_coordinates());
         if self.matrix.as_ref() != Some(&matrix) {
             self.matrix = None;
             self.linear.prepare(&matrix)?;

@@ -105,11 +105,12 @@ impl Krylov {
 
     fn with_symmetric_factor(&mut self, system: &ConstrainedSystem<'_, f64>, s: &Scaled<'_>) -> Result<Answer, SolveError> {
         let (n, m) = (s.num_unknowns(), s.num_rows());
-        let part = (!s.symmetric)
-            .then(|| sum(0.5, s.stiffness, 0.5, &s.stiffness.transposed()).with_dof_coordinates(system.stiffness.places().to_vec()));
+        let part = (!s.symmetric).then(|| {
+            sum(0.5, s.stiffness, 0.5, &s.stiffness.transposed()).with_dof_coordinates(system.stiffness.dof_coordinates().to_vec())
+        });
         let stiffness: &dyn Operator = part.as_ref().map_or(system.stiffness, |k| k);
         let half = Scaled::of(&ConstrainedSystem { stiffness, reaction: None, ..*system })?;
-        let factor = self.symmetric.factorise(&half, system.stiffness.places())?;
+        let factor = self.symmetric.factorise(&half, system.stiffness.dof_coordinates())?;
         let symmetric = &self.symmetric;
         let reaction = s.reaction.as_ref().unwrap_or(&s.rows);
         let scale = factor.scale.clone();

@@ -274,7 +274,7 @@ fn scale_rows(rows: &mut Csr<f64>, factor: &[f64]) {
 
 /// Coordinates of every row: those of its slave unknown with the largest entry; empty if the unknowns have none.
 pub(super) fn row_places(system: &ConstrainedSystem<'_, f64>, m: usize, n: usize) -> Vec<[f64; 3]> {
-    let places = system.stiffness.places();
+    let places = system.stiffness.dof_coordinates();
     if places.len() != n || n == 0 {
         return Vec::new();
     }

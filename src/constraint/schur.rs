@@ -195,7 +195,7 @@ fn spring(s: &Scaled<'_>, a: usize) -> f64 {
 
 /// Returns an error if the stiffness is indefinite.
 fn definite(factor: &mut Ldlt, matrix: &Csr<f64>) -> Result<(), LinearError> {
-    factor.refuse_negative(&Upper::of(matrix), matrix.num_rows(), matrix.places())
+    factor.refuse_negative(&Upper::of(matrix), matrix.num_rows(), matrix.dof_coordinates())
 }
 
 /// Weights, scales and matrices that are the same for the factors of K and K_W.
@@ -312,7 +312,7 @@ impl Schur {
         s.need_symmetry()?;
         let m = s.num_rows();
         let part = Parts::of(s);
-        let places = system.stiffness.places();
+        let places = system.stiffness.dof_coordinates();
         let mut floats = match &self.shared {
             Some(shared) if again => shared.springs.is_some(),
             _ => self.prepare(s, &part, places)?,

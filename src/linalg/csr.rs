@@ -42,7 +42,7 @@ impl<T: Real> Csr<T> {
         Self::of(pattern, vals)
     }
 
-    /// Sets the coordinates of the unknowns (one point per row), see [`Operator::places`].
+    /// Sets the coordinates of the unknowns (one point per row), see [`Operator::dof_coordinates`].
     #[must_use]
     pub fn with_dof_coordinates(mut self, places: Vec<[f64; 3]>) -> Self {
         self.places = places;
@@ -193,7 +193,7 @@ impl<T: Real> Operator<T> for Csr<T> {
     fn csr(&self) -> Option<&Csr<T>> {
         Some(self)
     }
-    fn places(&self) -> &[[f64; 3]] {
+    fn dof_coordinates(&self) -> &[[f64; 3]] {
         &self.places
     }
 }

@@ -79,7 +79,7 @@ impl Ldlt {
     /// [`LinearError`] if `a` has no matrix, is not symmetric, or is too large.
     pub fn analyse(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
         let upper = self.upper(a)?;
-        self.analyse_upper(&upper, a.places())?;
+        self.analyse_upper(&upper, a.dof_coordinates())?;
         self.learn(a);
         Ok(())
     }
@@ -90,7 +90,7 @@ impl Ldlt {
     /// [`LinearError`] as from [`Ldlt::analyse`], and if a pivot is zero or infinite.
     pub fn factorise(&mut self, a: &dyn Operator<f64>) -> Result<(), LinearError> {
         let upper = self.upper(a)?;
-        self.factorise_upper(&upper, a.places())?;
+        self.factorise_upper(&upper, a.dof_coordinates())?;
         self.learn(a);
         Ok(())
     }

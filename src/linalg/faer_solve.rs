@@ -310,7 +310,7 @@ mod tests {
         all.to_csr()
     }
 
-    fn places(n: [usize; 3]) -> Vec<[f64; 3]> {
+    fn grid_coordinates(n: [usize; 3]) -> Vec<[f64; 3]> {
         (0..n.iter().product()).map(|i| [i % n[0], i / n[0] % n[1], i / (n[0] * n[1])].map(|x| x as f64)).collect()
     }
 
@@ -331,7 +331,7 @@ mod tests {
     fn solutions_are_those_of_faer_on_definite_and_indefinite_matrices() {
         for (n, odd) in CASES {
             // by dissection, and by minimum degree where no places are known
-            for places in [places(n), Vec::new()] {
+            for places in [grid_coordinates(n), Vec::new()] {
                 let a = tied(n, odd);
                 let (analysis, factor) = factorised(&a, &places);
                 assert_eq!(analysis.dissected, !places.is_empty());
@@ -379,7 +379,7 @@ mod tests {
     fn two_loads_at_once_have_the_bits_of_each_alone() {
         for (n, odd) in CASES {
             let a = tied(n, odd);
-            let known = factorised(&a, &places(n));
+            let known = factorised(&a, &grid_coordinates(n));
             let alone = bits::<1>(Arch::new(), &a, &known);
             assert!(alone[0] != alone[1]);
             assert!(bits::<2>(Arch::new(), &a, &known) == alone, "{n:?}");
@@ -393,7 +393,7 @@ mod tests {
         let wide = [V3::try_new().map(Arch::V3), V4::try_new().map(Arch::V4)];
         for (n, odd) in CASES {
             let a = tied(n, odd);
-            let known = factorised(&a, &places(n));
+            let known = factorised(&a, &grid_coordinates(n));
             let expected = bits::<1>(Arch::Scalar, &a, &known);
             for arch in wide.into_iter().flatten() {
                 assert!(bits::<1>(arch, &a, &known) == expected, "{n:?}: one");

@@ -259,7 +259,7 @@ mod tests {
     /// The factor of `a` by fronts and by columns.
     fn fronts_and_columns(a: &Csr) -> [Option<Vec<f64>>; 2] {
         let upper = Upper::of(a);
-        let analysis = analyse(&upper.pattern, crate::linalg::Operator::places(a)).unwrap();
+        let analysis = analyse(&upper.pattern, crate::linalg::Operator::dof_coordinates(a)).unwrap();
         let SymbolicCholeskyRaw::Supernodal(nodes) = analysis.symbolic.raw() else { panic!("no supernodes") };
         let (ptr, cols) = &*upper.pattern;
         let fronts = Fronts::of(nodes, ptr, cols, analysis.symbolic.perm().unwrap().arrays().1).unwrap();
@@ -302,7 +302,7 @@ mod tests {
         let pays = |n| {
             let a = tied(n, usize::MAX);
             let upper = Upper::of(&a);
-            analyse(&upper.pattern, crate::linalg::Operator::places(&a)).unwrap().fronts.is_some()
+            analyse(&upper.pattern, crate::linalg::Operator::dof_coordinates(&a)).unwrap().fronts.is_some()
         };
         assert!(pays([120, 100, 3]), "a plate");
         assert!(!pays([13, 12, 11]), "a block");

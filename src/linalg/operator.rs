@@ -18,7 +18,7 @@ pub trait Operator<T: Real = f64>: Debug + Send + Sync {
         None
     }
     /// Coordinates of the unknowns, one point each, or empty; used for orderings, coarse grids and partitions.
-    fn places(&self) -> &[[f64; 3]] {
+    fn dof_coordinates(&self) -> &[[f64; 3]] {
         &[]
     }
 }
@@ -30,7 +30,7 @@ macro_rules! forward_operator {
             fn apply(&self, x: &[T], y: &mut [T]) { (**self).apply(x, y) }
             fn diagonal(&self) -> Vec<T> { (**self).diagonal() }
             fn csr(&self) -> Option<&Csr<T>> { (**self).csr() }
-            fn places(&self) -> &[[f64; 3]] { (**self).places() }
+            fn dof_coordinates(&self) -> &[[f64; 3]] { (**self).dof_coordinates() }
         }
     )*};
 }

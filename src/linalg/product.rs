@@ -77,5 +77,5 @@ pub fn sum<T: Real>(a: T, left: &Csr<T>, b: T, right: &Csr<T>) -> Csr<T> {
         }
         ptr.push(cols.len());
     }
-    Csr::from_parts(left.num_cols(), ptr, cols, vals).with_dof_coordinates(left.places().to_vec())
+    Csr::from_parts(left.num_cols(), ptr, cols, vals).with_dof_coordinates(left.dof_coordinates().to_vec())
 }

@@ -3,7 +3,7 @@
 use super::assembled::System;
 use super::builder::Problem;
 use super::contact_part::SlaveOf;
-use super::coupled::{Contact, Faced, Tie};
+use super::coupled::{Contact, StatedOpponent, Tie};
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::facets_apart::FacetsApart;
@@ -91,8 +91,8 @@ where
         let mut next = model.unknowns - pressed;
         for contact in &self.contacts {
             let (obstacle, masters) = match &contact.own.faced {
-                Faced::Sides(masters) => (None, masters.as_slice()),
-                Faced::Obstacle { .. } => (Some(Arc::new(obstacle(contact, next))), &[][..]),
+                StatedOpponent::Sides(masters) => (None, masters.as_slice()),
+                StatedOpponent::Obstacle { .. } => (Some(Arc::new(obstacle(contact, next))), &[][..]),
             };
             next += contact.own.forces.len();
             let mut built = ContactModel {
@@ -162,7 +162,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let of_ties =
             ties.iter().flat_map(|t| t.own.pairs.iter().flat_map(move |p| p.masters.iter().map(move |m| (&p.slave, m, t.id().into()))));
         let of_contacts = contacts.iter().flat_map(|c| {
-            let masters = if let Faced::Sides(masters) = &c.own.faced { masters.as_slice() } else { &[] };
+            let masters = if let StatedOpponent::Sides(masters) = &c.own.faced { masters.as_slice() } else { &[] };
             c.own.slaves.iter().flat_map(move |s| masters.iter().map(move |m| (s, m, Statement::from(c.id()))))
         });
         for (slave, master, id) in of_ties.chain(of_contacts) {
@@ -174,7 +174,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         for contact in contacts {
             let driven = || contact.own.motion.iter().chain(&contact.own.forces).map(|(component, _)| *component);
             let mut refuse = |kind| errors.push(ProblemError::new(kind, vec![contact.id().into()], vec![contact.name.clone()]));
-            if matches!(contact.own.faced, Faced::Sides(_)) && driven().next().is_some() {
+            if matches!(contact.own.faced, StatedOpponent::Sides(_)) && driven().next().is_some() {
                 refuse(ErrorKind::NoObstacle);
             } else if let Some(component) = driven().find(|c| *c >= N || driven().filter(|other| other == c).count() > 1) {
                 refuse(ErrorKind::Driven { component });
@@ -245,14 +245,14 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             return tie.own.pairs.get(slave).map(|p| (p.slave.clone(), p.masters.clone()));
         }
         let contact = self.contacts.iter().find(|c| of == c.id().into())?;
-        let masters = if let Faced::Sides(masters) = &contact.own.faced { masters.clone() } else { Vec::new() };
+        let masters = if let StatedOpponent::Sides(masters) = &contact.own.faced { masters.clone() } else { Vec::new() };
         Some((contact.own.slaves.get(slave)?.clone(), masters))
     }
 
     /// The obstacle of a contact.
     pub(super) fn obstacle(&self, of: Statement) -> Option<MovingObstacle<S, N>> {
         let contact = self.contacts.iter().find(|c| of == c.id().into())?;
-        matches!(contact.own.faced, Faced::Obstacle { .. }).then(|| obstacle(contact, 0))
+        matches!(contact.own.faced, StatedOpponent::Obstacle { .. }).then(|| obstacle(contact, 0))
     }
 }
 
@@ -273,7 +273,7 @@ fn of_slave<const S: usize, const N: usize>(
 
 /// The obstacle of a contact, whose unknowns begin at `unknown`.
 fn obstacle<const S: usize, const N: usize>(contact: &Contact<S, N>, unknown: usize) -> MovingObstacle<S, N> {
-    let Faced::Obstacle { at_rest, changes } = &contact.own.faced else { unreachable!("the contact faces an obstacle") };
+    let StatedOpponent::Obstacle { at_rest, changes } = &contact.own.faced else { unreachable!("the contact faces an obstacle") };
     let pressed = contact.own.forces.iter().enumerate();
     let pressed = pressed.map(|(k, (component, force))| ForceDriven { component: *component, unknown: unknown + k, force: force.clone() });
     let mut motion = vec![None; N];

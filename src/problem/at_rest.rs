@@ -7,7 +7,7 @@ use super::matrices::Matrices;
 use super::model::{ContactModel, Model};
 use super::observer::Observer;
 use super::solve::once;
-use super::solver::Solver;
+use super::solver::ProblemSolver;
 use super::state::{StepError, StepState, Unsolved};
 use crate::constraint::ActiveSetReport;
 use crate::contact::ContactRows;
@@ -52,7 +52,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
 pub(super) fn at_rest<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &Matrices,
-    solver: &mut Solver,
+    solver: &mut ProblemSolver,
     t: f64,
     before: Option<&StepState<S, N>>,
     observer: Observer<'_>,

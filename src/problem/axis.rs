@@ -1,12 +1,13 @@
 //! The axis of bodies of revolution: nothing lies beyond it, and what lies on it has u_r = 0 and no area.
 
 use super::builder::Problem;
-use super::coupled::Faced;
+use super::coupled::StatedOpponent;
 use super::data::Point;
-use super::error::{ErrorKind, ProblemError};
+use super::error::ProblemError;
 use super::handles::Statement;
 use super::model::{BodyModel, BodySide, Condition, Model, Value};
 use super::resultant::Resultant;
+use super::revolution_error::RevolutionError;
 use super::rigid::RigidForm;
 use crate::basis::{Cell, Order};
 use crate::coupling::Segments;
@@ -67,15 +68,15 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 map.x.iter().find(|x| x[0] < -least).copied()
             });
             if let Some(x) = beyond {
-                let kind = ErrorKind::BeyondAxis { x: Point::new(x.as_slice()).x };
+                let kind = RevolutionError::BeyondAxis { x: Point::new(x.as_slice()).x }.into();
                 errors.push(ProblemError::new(kind, vec![body.id.into()], vec![body.name.clone()]));
             }
         }
         let mut radial = Vec::new();
         let mut refuse = |of: Statement, side: &BodySide<S, N>| {
-            let known = errors.iter().any(|e| e.kind == ErrorKind::OnAxis && e.of == [of]);
+            let known = errors.iter().any(|e| e.kind == RevolutionError::OnAxis.into() && e.of == [of]);
             if !known && is_on_axis(&self.bodies[side.patch], side) {
-                errors.push(ProblemError::new(ErrorKind::OnAxis, vec![of], vec![side.label.clone()]));
+                errors.push(ProblemError::new(RevolutionError::OnAxis.into(), vec![of], vec![side.label.clone()]));
             }
         };
         self.said.loads.iter().for_each(|l| refuse(l.of, &l.side));
@@ -86,7 +87,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         for load in self.said.point_loads.iter().filter(|l| l.component == 0 && self.components() > 1) {
             let least = nothing(&self.bodies[load.rim.patch]);
             if load.force.as_constant() != Some(0.0) && load.rim.rim.x.iter().all(|x| x[0].abs() <= least) {
-                radial.push(ProblemError::new(ErrorKind::OnAxis, vec![load.of], vec![load.rim.label.clone()]));
+                radial.push(ProblemError::new(RevolutionError::OnAxis.into(), vec![load.of], vec![load.rim.label.clone()]));
             }
         }
         for tie in &self.ties {
@@ -97,8 +98,10 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
         errors.append(&mut radial);
         for contact in &self.contacts {
-            if matches!(contact.own.faced, Faced::Obstacle { .. }) && contact.own.forces.iter().any(|(component, _)| *component == 0) {
-                errors.push(ProblemError::new(ErrorKind::Radial, vec![contact.id().into()], vec![contact.name.clone()]));
+            if matches!(contact.own.faced, StatedOpponent::Obstacle { .. })
+                && contact.own.forces.iter().any(|(component, _)| *component == 0)
+            {
+                errors.push(ProblemError::new(RevolutionError::RadialForce.into(), vec![contact.id().into()], vec![contact.name.clone()]));
             }
         }
     }

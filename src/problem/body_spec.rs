@@ -8,6 +8,7 @@ use super::handles::{BodyId, Statement};
 use super::model::Foundation;
 use super::physics::{Physics, PhysicsError};
 use super::regions::SideNames;
+use super::revolution_error::RevolutionError;
 use crate::linalg::Vector;
 use crate::physics::Material;
 use crate::quadrature::PerElement;
@@ -122,7 +123,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             return Err(ProblemError::named(ErrorKind::Mixed { found, expected }, &[&name]));
         }
         if physics.components() > 1 && physics.is_of_revolution() != self.is_revolved {
-            return Err(ProblemError::named(ErrorKind::Revolution { wanted: self.is_revolved }, &[&name]));
+            let error = if self.is_revolved { RevolutionError::NoHoopStrain } else { RevolutionError::HoopStrain };
+            return Err(ProblemError::named(error.into(), &[&name]));
         }
         let first = self.bodies.last().map_or(0, |b| b.range().end);
         let id = self.body_id(self.bodies.len());

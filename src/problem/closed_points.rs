@@ -2,7 +2,7 @@
 
 use super::model::{ContactPart, Model};
 use super::state::StepState;
-use super::supports::{free_motions, sentences};
+use super::supports::{free_motions, motion_texts};
 use crate::contact::ContactRows;
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ pub fn remaining_motions<const S: usize, const N: usize>(model: &Model<S, N>, st
     let contacts: Vec<Vec<_>> = state.contacts.iter().map(|c| c.iter().collect()).collect();
     let closed = closed_points(model, &contacts, &|row| state.active[row]);
     let free = free_motions(model, state.t, &contacts, &|k, p, q| closed[k][p][q]);
-    (!free.is_empty()).then(|| sentences(model, &free))
+    (!free.is_empty()).then(|| motion_texts(model, &free))
 }
 
 /// Returns one flag per point of `contacts`: whether a function active there has a closed row.

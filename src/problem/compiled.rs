@@ -5,7 +5,7 @@ use super::error::ProblemErrors;
 use super::handles::BodyId;
 use super::model::{BodyModel, BodySide};
 use super::physics::Physics;
-use super::touching::{Couple, NearPair, Search, TouchError};
+use super::touching::{NearPair, PairedSides, Search, TouchError};
 use crate::assembly::Rim;
 use crate::basis::Cell;
 use crate::geometry::{Embedding, Sag};
@@ -56,7 +56,7 @@ pub trait Compiled<const S: usize, const N: usize>: Debug + Sync {
         slave: Arc<BodySide<S, N>>,
         masters: Vec<Arc<BodySide<S, N>>>,
         tolerance: Option<f64>,
-    ) -> Couple<S, N>;
+    ) -> PairedSides<S, N>;
 
     /// Sides of bodies that touch, but for those of bodies that are `apart`.
     ///
@@ -68,7 +68,7 @@ pub trait Compiled<const S: usize, const N: usize>: Debug + Sync {
         bodies: &[usize],
         tolerance: Option<f64>,
         apart: &dyn Fn(usize, usize) -> bool,
-    ) -> Result<Vec<Couple<S, N>>, TouchError<S, N>>;
+    ) -> Result<Vec<PairedSides<S, N>>, TouchError<S, N>>;
 
     /// The nearest sides of every two bodies, with `near` only those that are near for the size of their facets.
     fn nearest_of(&self, search: &mut Search<'_, S, N>, bodies: &[usize], near: bool) -> BTreeMap<[usize; 2], NearPair<S, N>>;
@@ -124,7 +124,7 @@ impl<const S: usize, const N: usize> Compiled<S, N> for Library {
         slave: Arc<BodySide<S, N>>,
         masters: Vec<Arc<BodySide<S, N>>>,
         tolerance: Option<f64>,
-    ) -> Couple<S, N> {
+    ) -> PairedSides<S, N> {
         search.tie_named(slave, masters, tolerance)
     }
     fn touching(
@@ -133,7 +133,7 @@ impl<const S: usize, const N: usize> Compiled<S, N> for Library {
         bodies: &[usize],
         tolerance: Option<f64>,
         apart: &dyn Fn(usize, usize) -> bool,
-    ) -> Result<Vec<Couple<S, N>>, TouchError<S, N>> {
+    ) -> Result<Vec<PairedSides<S, N>>, TouchError<S, N>> {
         search.touching(bodies, tolerance, apart)
     }
     fn nearest_of(&self, search: &mut Search<'_, S, N>, bodies: &[usize], near: bool) -> BTreeMap<[usize; 2], NearPair<S, N>> {

@@ -1,7 +1,7 @@
 //! Fields along the slave sides of contacts.
 
 use super::arc_length::ArcLength;
-use super::contact_field::ContactField;
+use super::contact_field::PressureEvaluator;
 use super::side_field::{Field, SideField, SidePoint, centres, degree, normals};
 use super::solved::State;
 use super::tie_field::multiplier_at;
@@ -69,7 +69,7 @@ fn by_points<const S: usize, const N: usize>(
     let part = &model.contacts[c].parts[p];
     let field = |of: fn([f64; 2]) -> f64| -> Field<S> {
         let state = Arc::clone(state);
-        let field = ContactField::of(model, &model.contacts[c], part, solved.t);
+        let field = PressureEvaluator::of(model, &model.contacts[c], part, solved.t);
         Box::new(move |element, xi| {
             let contact = &state.model().contacts[c];
             field.at(state.model(), contact, &contact.parts[p], state.state(), element, xi).into_iter().map(of).collect()

@@ -1,6 +1,6 @@
 //! Pressure at any point of a contact's slave side: that of its multiplier, or where it has none, that of its method.
 
-use super::contact_fluxes::ContactFluxes;
+use super::contact_fluxes::SideFluxes;
 use super::model::{ContactModel, ContactPart, Model, Opposing};
 use super::state::StepState;
 use super::tie_field::multiplier_at;
@@ -18,16 +18,16 @@ const BESIDE: f64 = 1e-6;
 
 /// lambda of a contact part at a time, as a function of the state.
 #[derive(Debug)]
-pub struct ContactField<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
+pub struct PressureEvaluator<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
 
 /// Fluxes at the time, and the search for partners on the master.
 #[derive(Debug)]
 struct WithoutRows<const S: usize, const N: usize> {
-    fluxes: Option<ContactFluxes<S, N>>,
+    fluxes: Option<SideFluxes<S, N>>,
     master: Option<ClosestPoint<S, N, Oriented<Arc<dyn Space<S, N>>>>>,
 }
 
-impl<const S: usize, const N: usize> ContactField<S, N> {
+impl<const S: usize, const N: usize> PressureEvaluator<S, N> {
     /// Creates the evaluator of `part` at time `t`.
     pub fn of(model: &Model<S, N>, contact: &ContactModel<S, N>, part: &ContactPart<S, N>, t: f64) -> Self {
         let master = match &part.against {

@@ -39,12 +39,12 @@ impl<const S: usize, const N: usize> Flux<S, N> for JoinedFlux<S, N> {
 
 /// The fluxes through both sides of a contact at a time.
 #[derive(Debug)]
-pub(super) struct ContactFluxes<const S: usize, const N: usize> {
+pub(super) struct SideFluxes<const S: usize, const N: usize> {
     slave: Box<dyn Flux<S, N>>,
     master: JoinedFlux<S, N>,
 }
 
-impl<const S: usize, const N: usize> ContactFluxes<S, N> {
+impl<const S: usize, const N: usize> SideFluxes<S, N> {
     /// The flux through the slave side.
     pub(super) fn slave(&self) -> &dyn Flux<S, N> {
         &*self.slave
@@ -58,7 +58,7 @@ impl<const S: usize, const N: usize> ContactFluxes<S, N> {
 
 impl<const S: usize, const N: usize> ContactSides<'_, S, N> {
     /// The fluxes of the bodies at time `t`.
-    pub(super) fn fluxes(&self, model: &Model<S, N>, t: f64) -> ContactFluxes<S, N> {
+    pub(super) fn fluxes(&self, model: &Model<S, N>, t: f64) -> SideFluxes<S, N> {
         let of = |side: &BodySide<S, N>| {
             let patch = &model.patches[side.patch];
             patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field, patch.is_revolved())
@@ -69,7 +69,7 @@ impl<const S: usize, const N: usize> ContactSides<'_, S, N> {
             next += m.trace.facets.len();
             (first, of(m))
         });
-        ContactFluxes { slave: of(self.slave), master: JoinedFlux { runs: runs.collect() } }
+        SideFluxes { slave: of(self.slave), master: JoinedFlux { runs: runs.collect() } }
     }
 
     /// Whether a material of the bodies changes with the time.

@@ -1,7 +1,7 @@
 //! Construction of a slave side of a contact: multiplier, opponent and rows.
 
 use super::contact_rows::ContactSides;
-use super::coupled::{Contact, Faced};
+use super::coupled::{Contact, StatedOpponent};
 use super::data::Point;
 use super::directions::{directions, slides};
 use super::facing_obstacle::is_turned_round;
@@ -113,7 +113,7 @@ where
         sides: &ContactSides<'_, S, N>,
         first: &ContactRows<S, N>,
     ) -> Result<(), InterfaceError> {
-        if let (Faced::Obstacle { changes: true, .. }, Opposing::Rigid(obstacle, _)) = (&setup.contact.own.faced, sides.against) {
+        if let (StatedOpponent::Obstacle { changes: true, .. }, Opposing::Rigid(obstacle, _)) = (&setup.contact.own.faced, sides.against) {
             return setup.times.iter().try_for_each(|&t| {
                 let rows = contact.rows(self, sides, t, None).map_err(|error| at_time(error, t))?;
                 let turned = !rows.facing.contains(&true) && is_turned_round(&setup.slave.trace, &*obstacle.target(t, None));

@@ -1,6 +1,6 @@
 //! Rows, offsets and weights of contacts at a time and at a place of their obstacles, as their method makes them.
 
-use super::contact_fluxes::ContactFluxes;
+use super::contact_fluxes::SideFluxes;
 use super::data::Point;
 use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing};
 use super::rigid_bodies::unit;
@@ -47,12 +47,12 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         &self,
         model: &Model<S, N>,
         sides: &ContactSides<'_, S, N>,
-        fluxes: Option<&ContactFluxes<S, N>>,
+        fluxes: Option<&SideFluxes<S, N>>,
         segments: Option<&Segments<S>>,
         (t, place): (f64, Option<&[f64]>),
         ask: impl FnOnce(&ContactAt<'_, S, N>) -> R,
     ) -> R {
-        let flux = fluxes.map(ContactFluxes::slave);
+        let flux = fluxes.map(SideFluxes::slave);
         let slave = Side { trace: &sides.slave.trace, field: model.patches[sides.slave.patch].field, flux };
         let gap = |x: &Vector<N>, g: f64| self.gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g));
         let at = |opponent, own, translations| ContactAt {
@@ -63,7 +63,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         };
         match sides.against {
             Opposing::Side(master, own) => {
-                let master = Side { trace: &master.trace, field: master.field, flux: fluxes.map(ContactFluxes::master) };
+                let master = Side { trace: &master.trace, field: master.field, flux: fluxes.map(SideFluxes::master) };
                 ask(&at(Opponent::Master(master), own, &[]))
             }
             Opposing::Rigid(obstacle, own) => {
@@ -121,7 +121,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         &self,
         model: &Model<S, N>,
         part: &ContactPart<S, N>,
-        fluxes: Option<&ContactFluxes<S, N>>,
+        fluxes: Option<&SideFluxes<S, N>>,
         segments: &Segments<S>,
         (u, t): (&[f64], f64),
     ) -> Option<PointValues> {

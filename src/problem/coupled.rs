@@ -257,7 +257,7 @@ impl<const S: usize, const N: usize> From<ChangingObstacle<S, N>> for Opponent<'
 
 /// The opponent of a contact of a problem.
 #[derive(Clone, Debug)]
-pub(super) enum Faced<const S: usize, const N: usize> {
+pub(super) enum StatedOpponent<const S: usize, const N: usize> {
     Sides(Vec<Arc<BodySide<S, N>>>),
     Obstacle { at_rest: ChangingObstacle<S, N>, changes: bool },
 }
@@ -266,7 +266,7 @@ pub(super) enum Faced<const S: usize, const N: usize> {
 #[derive(Clone, Debug)]
 pub struct ContactOptions<const S: usize, const N: usize> {
     pub(super) slaves: Vec<Arc<BodySide<S, N>>>,
-    pub(super) faced: Faced<S, N>,
+    pub(super) faced: StatedOpponent<S, N>,
     pub(super) method: Arc<dyn ContactMethod<S, N>>,
     pub(super) cone: Cone,
     pub(super) gap: Data,
@@ -285,7 +285,7 @@ impl<const S: usize, const N: usize> Coupled<S, N, ContactOptions<S, N>> {
 
     /// The sides that it faces, none of an obstacle.
     pub(super) fn masters(&self) -> &[Arc<BodySide<S, N>>] {
-        if let Faced::Sides(masters) = &self.own.faced { masters } else { &[] }
+        if let StatedOpponent::Sides(masters) = &self.own.faced { masters } else { &[] }
     }
 
     /// Sets the method; by default Lagrange multipliers.

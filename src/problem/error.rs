@@ -3,6 +3,7 @@
 use super::handles::Statement;
 use super::interface_error::InterfaceError;
 use super::physics::PhysicsError;
+use super::revolution_error::RevolutionError;
 use crate::assembly::DirichletError;
 use crate::physics::MaterialError;
 use crate::space::{GlueError, SideError};
@@ -130,21 +131,8 @@ pub enum ErrorKind {
     SourceTwice,
     /// A foundation beside an exact solution, whose source is that of a body without one.
     FoundationBesideExact,
-    /// An elastic material without a hoop strain in a problem of bodies of revolution, or one with it in any other.
-    Revolution {
-        /// Whether the problem is one of bodies of revolution.
-        wanted: bool,
-    },
-    /// A body of revolution with points of negative radius.
-    BeyondAxis {
-        /// The first such point.
-        x: [f64; 3],
-    },
-    /// A load, springs, a tie or a contact on a side that lies on the axis of bodies of revolution, which has no area; a radial displacement
-    /// prescribed there, or a radial force in a corner there.
-    OnAxis,
-    /// An obstacle that a force presses away from the axis of bodies of revolution.
-    Radial,
+    /// What bodies of revolution do not allow.
+    Revolution(RevolutionError),
     /// Data that are not finite at a quadrature point.
     NotFinite {
         /// The point \[length\]; coordinates beyond the dimension are zero.
@@ -282,37 +270,7 @@ impl Display for ProblemError {
             ErrorKind::FoundationBesideExact => {
                 write!(f, "body \"{one}\" has a foundation; the source of the exact solution is that of a body without one")
             }
-            ErrorKind::Revolution { wanted: true } => {
-                write!(
-                    f,
-                    "the material of body \"{one}\" has no hoop strain: bodies of revolution take materials such as Hooke::axisymmetric"
-                )
-            }
-            ErrorKind::Revolution { wanted: false } => {
-                write!(
-                    f,
-                    "the material of body \"{one}\" is one of bodies of revolution, and the problem is none: Problem::axisymmetric makes one"
-                )
-            }
-            ErrorKind::BeyondAxis { x } => {
-                write!(
-                    f,
-                    "body \"{one}\" has points beyond the axis of revolution, such as x = {}, y = {}: x = r is the radius",
-                    x[0], x[1]
-                )
-            }
-            ErrorKind::OnAxis => {
-                write!(
-                    f,
-                    "`{one}` lies on the axis of revolution, where u_x is zero and areas are: nothing acts on it and nothing moves it"
-                )
-            }
-            ErrorKind::Radial => {
-                write!(
-                    f,
-                    "contact \"{one}\": a force presses the obstacle along x = r; rigid bodies of revolution move along the axis alone"
-                )
-            }
+            ErrorKind::Revolution(error) => error.write(f, one),
             ErrorKind::NotFinite { x, t, value, .. } => write!(f, "\"{one}\" on `{other}`: {value} at {x:?}, t = {t}"),
             ErrorKind::TooLarge { x, t, value, .. } => {
                 write!(f, "\"{one}\" on `{other}` is too large: {value:e} at {x:?}, t = {t}; its square overflows")

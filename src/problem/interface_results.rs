@@ -6,7 +6,7 @@ use super::integrate::on_trace;
 use super::model::{ContactModel, Model, Opposing, TieModel};
 use super::resultant::Resultant;
 use super::state::{NO_CONTACT, StepState};
-use super::tie_field::TieField;
+use super::tie_field::TractionEvaluator;
 use crate::basis::Order;
 use crate::contact::{ContactRows, NoHalfWidth};
 use crate::geometry::{Geometry, MapTable};
@@ -103,7 +103,7 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
                 *forces.entry(i).or_default() += value * state.u[j];
             }
             forces.iter().for_each(|(&i, &force)| balance.push(model, i, force));
-            let (space, field) = (&part.slave.trace.space, TieField::of(model, part, state.t));
+            let (space, field) = (&part.slave.trace.space, TractionEvaluator::of(model, part, state.t));
             for (k, pairing) in part.pairings.iter().enumerate() {
                 let s = &pairing.segments;
                 let lambda = field.on_segments(model, part, state, k);

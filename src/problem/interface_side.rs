@@ -6,7 +6,7 @@ use super::compiled::{Compiled, Library};
 use super::contact_zone::ContactZone;
 use super::coupled::{Integration, Multiplier, Rule};
 use super::error::ProblemErrors;
-use super::multipliers::{DualPair, constrained_ends};
+use super::multipliers::{DualBases, constrained_ends};
 use crate::basis::Basis;
 use crate::contact::{ClosedSide, NoHalfWidth, half_width};
 use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, MergedSurface, Partners, SlaveRule, SlaveSurface};
@@ -36,7 +36,7 @@ pub trait InterfaceSide<const S: usize, const N: usize>: Dimension<S, N> {
     ///
     /// # Errors
     /// [`MultiplierError`] if there are none.
-    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, faced: &Segments<S>) -> Result<DualPair<S>, MultiplierError>;
+    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, faced: &Segments<S>) -> Result<DualBases<S>, MultiplierError>;
 
     /// A multiplier whose functions on slivers of what the segments cover are given to their neighbours.
     fn without_slivers(&self, psi: Box<dyn Basis<S>>, faced: &Segments<S>) -> Box<dyn Basis<S>>;
@@ -98,7 +98,7 @@ impl InterfaceSide<1, 2> for Trace<1, 2> {
     fn multiplier(&self, kind: MultiplierKind, constrained: &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<1>>, MultiplierError> {
         multiplier::build(&self.space, kind, &constrained_ends(self, constrained))
     }
-    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, faced: &Segments<1>) -> Result<DualPair<1>, MultiplierError> {
+    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, faced: &Segments<1>) -> Result<DualBases<1>, MultiplierError> {
         let made = multiplier::build_covered(&self.space, &constrained_ends(self, constrained), faced)?;
         Ok((Box::new(made.functions), Box::new(made.reading)))
     }
@@ -145,7 +145,7 @@ impl InterfaceSide<2, 3> for Trace<2, 3> {
     fn multiplier(&self, kind: MultiplierKind, constrained: &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<2>>, MultiplierError> {
         multiplier::build_on_surface(&self.space, kind, &|i| constrained(self.dofs[i]))
     }
-    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, _: &Segments<2>) -> Result<DualPair<2>, MultiplierError> {
+    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, _: &Segments<2>) -> Result<DualBases<2>, MultiplierError> {
         // there are none: the error lists what there is
         let made = || self.multiplier(MultiplierKind::Dual, constrained);
         Ok((made()?, made()?))

@@ -4,7 +4,7 @@ use super::data::Point;
 use super::model::{BodySide, ContactModel, Model, TieModel};
 use super::own_side::OwnSide;
 use super::state::StepState;
-use super::tie_field::TieField;
+use super::tie_field::TractionEvaluator;
 use crate::basis::Order;
 use crate::contact::ContactRows;
 use crate::coupling::Segments;
@@ -59,7 +59,7 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
         let mut sum = SquaredError::default();
         for part in &self.parts {
             let own = OwnSide::new(model, &part.slave);
-            let lambda = TieField::of(model, part, state.t);
+            let lambda = TractionEvaluator::of(model, part, state.t);
             for (pairing, s) in part.pairings.iter().map(|p| &p.segments).enumerate() {
                 let found = lambda.on_segments(model, part, state, pairing);
                 each_piece(&part.slave, s, |piece, x, normals| {

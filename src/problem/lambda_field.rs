@@ -1,10 +1,10 @@
 //! lambda of ties and contacts at any point of their slave sides.
 
-use super::contact_field::ContactField;
+use super::contact_field::PressureEvaluator;
 use super::error::ProblemError;
 use super::handles::InterfaceId;
 use super::solved::Solved;
-use super::tie_field::TieField;
+use super::tie_field::TractionEvaluator;
 use crate::linalg::Vector;
 use std::fmt::{Debug, Formatter};
 use std::sync::Arc;
@@ -24,13 +24,13 @@ impl<const S: usize> LambdaField<S> {
         let (model, t) = (Arc::clone(&solved.common.model), solved.state.t);
         Ok(match of {
             InterfaceId::Tie(tie) => solved.of_tie(tie)?.parts.get(side).map(|part| {
-                let field = TieField::of(&model, part, t);
+                let field = TractionEvaluator::of(&model, part, t);
                 Self(Arc::new(OfTie { solved: Arc::clone(&solved), place: [tie.number, side], field }))
             }),
             InterfaceId::Contact(id) => {
                 let contact = solved.of_contact(id)?;
                 contact.parts.get(side).map(|part| {
-                    let field = ContactField::of(&model, contact, part, t);
+                    let field = PressureEvaluator::of(&model, contact, part, t);
                     Self(Arc::new(OfContact { solved: Arc::clone(&solved), place: [id.number, side], field }))
                 })
             }
@@ -54,7 +54,7 @@ impl<const S: usize> Debug for LambdaField<S> {
 struct OfTie<const S: usize, const N: usize> {
     solved: Arc<Solved<S, N>>,
     place: [usize; 2],
-    field: TieField<S, N>,
+    field: TractionEvaluator<S, N>,
 }
 
 impl<const S: usize, const N: usize> Lambda<S> for OfTie<S, N> {
@@ -67,7 +67,7 @@ impl<const S: usize, const N: usize> Lambda<S> for OfTie<S, N> {
 struct OfContact<const S: usize, const N: usize> {
     solved: Arc<Solved<S, N>>,
     place: [usize; 2],
-    field: ContactField<S, N>,
+    field: PressureEvaluator<S, N>,
 }
 
 impl<const S: usize, const N: usize> Lambda<S> for OfContact<S, N> {

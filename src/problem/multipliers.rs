@@ -16,7 +16,7 @@ const NO_VALUE: f64 = 1e-10;
 pub type MakeMultiplier<const S: usize, const N: usize> =
     dyn Fn(&Trace<S, N>, &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<S>>, MultiplierError> + Send + Sync;
 /// Dual multipliers of a contact, and the functions by which their pressure is evaluated.
-pub type DualPair<const S: usize> = (Box<dyn Basis<S>>, Box<dyn Basis<S>>);
+pub type DualBases<const S: usize> = (Box<dyn Basis<S>>, Box<dyn Basis<S>>);
 /// Returns, per end of a curve, whether a function that does not vanish there is constrained.
 pub(super) fn constrained_ends<const N: usize>(trace: &Trace<1, N>, constrained: &dyn Fn(usize) -> bool) -> Vec<bool> {
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());

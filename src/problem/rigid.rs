@@ -29,7 +29,7 @@ pub type RigidForm = Vec<(usize, [f64; MOST])>;
 
 /// Rigid motions left to a body, in words.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FreeBody {
+pub struct RemainingMotions {
     /// Number of the body.
     pub body: usize,
     /// Names such as "translation x", "rotation", "rotation about (0, 1)", "constant".
@@ -132,17 +132,17 @@ impl<const N: usize> RigidModes<N> {
     }
 
     /// Describes the motions left by `forms`, in words.
-    pub(super) fn free(&self, forms: &[RigidForm]) -> Vec<FreeBody> {
+    pub(super) fn free(&self, forms: &[RigidForm]) -> Vec<RemainingMotions> {
         self.names(&self.null(forms))
     }
 
     /// Words for motions of all bodies, of those that move.
-    pub fn names(&self, motions: &DMatrix<f64>) -> Vec<FreeBody> {
+    pub fn names(&self, motions: &DMatrix<f64>) -> Vec<RemainingMotions> {
         let m = self.modes();
         (0..self.num_bodies())
             .filter_map(|body| {
                 let motions = self.name(body, &motions.rows(m * body, m).into_owned());
-                (!motions.is_empty()).then_some(FreeBody { body, motions, middle: None })
+                (!motions.is_empty()).then_some(RemainingMotions { body, motions, middle: None })
             })
             .collect()
     }
@@ -245,7 +245,7 @@ mod tests {
     fn modes(bodies: usize) -> RigidModes<2> {
         RigidModes { components: 2, frames: vec![(Vector::from([0.5, 0.5]), 1.0); bodies] }
     }
-    fn free<const N: usize>(modes: &RigidModes<N>, rows: &[RigidRow<N>]) -> Vec<FreeBody> {
+    fn free<const N: usize>(modes: &RigidModes<N>, rows: &[RigidRow<N>]) -> Vec<RemainingMotions> {
         modes.free(&rows.iter().map(|row| modes.form(row)).collect::<Vec<_>>())
     }
     fn fixed(body: usize, c: usize, x: [f64; 2]) -> RigidRow<2> {
@@ -257,7 +257,7 @@ mod tests {
         let free = free(&modes(1), &[]);
         assert_eq!(
             free,
-            [FreeBody { body: 0, motions: vec!["translation x".into(), "translation y".into(), "rotation".into()], middle: None }]
+            [RemainingMotions { body: 0, motions: vec!["translation x".into(), "translation y".into(), "rotation".into()], middle: None }]
         );
     }
 
@@ -291,10 +291,10 @@ mod tests {
             let at = Vector::from([x, 0.5]);
             rows.push(RigidRow { terms: vec![(1, 1.0, at), (0, -1.0, at)], direction: Vector::from([0.0, 1.0]) });
         }
-        assert_eq!(free(&modes(2), &rows), [FreeBody { body: 1, motions: vec!["translation x".into()], middle: None }]);
+        assert_eq!(free(&modes(2), &rows), [RemainingMotions { body: 1, motions: vec!["translation x".into()], middle: None }]);
     }
     /// Rows of constants on the cells of an n x m grid of the unit square z = 1, for the modes of a block upon it.
-    fn constants(n: usize, m: usize) -> Vec<FreeBody> {
+    fn constants(n: usize, m: usize) -> Vec<RemainingMotions> {
         let modes = RigidModes::<3> { components: 3, frames: vec![(Vector::from([0.5, 0.5, 1.5]), 3.0_f64.sqrt())] };
         let cells = (0..n).flat_map(|i| (0..m).map(move |j| [(i as f64 + 0.5) / n as f64, (j as f64 + 0.5) / m as f64, 1.0]));
         let axis = |c: usize| Vector::<3>::from_fn(|k, _| f64::from(u8::from(k == c)));

@@ -1,7 +1,7 @@
 //! Bodies that move as rigid bodies: parts of patches, glued ones as one, and obstacles that forces press.
 
 use super::model::{BodySide, ContactPart, Model, Opposing};
-use super::rigid::{FreeBody, RigidModes};
+use super::rigid::{RemainingMotions, RigidModes};
 use crate::contact::ContactRows;
 use crate::geometry::Bounds;
 use crate::linalg::Vector;
@@ -121,12 +121,17 @@ impl RigidBodies {
     }
 
     /// Names a free body by its patch or obstacle, and a part of a patch by its middle.
-    pub(super) fn numbered<const S: usize, const N: usize>(&self, model: &Model<S, N>, modes: &RigidModes<N>, free: FreeBody) -> FreeBody {
+    pub(super) fn numbered<const S: usize, const N: usize>(
+        &self,
+        model: &Model<S, N>,
+        modes: &RigidModes<N>,
+        free: RemainingMotions,
+    ) -> RemainingMotions {
         let middle = self.partial.get(free.body).is_some_and(|p| *p).then(|| {
             let center = modes.frames[free.body].0;
             std::array::from_fn(|k| if k < N { center[k] } else { 0.0 })
         });
-        FreeBody { body: self.number(model, free.body), middle, ..free }
+        RemainingMotions { body: self.number(model, free.body), middle, ..free }
     }
 
     /// The modes of the bodies, each about its own middle; of obstacles about that of the model.

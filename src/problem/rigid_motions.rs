@@ -4,10 +4,10 @@ use super::closed_points::closed_points;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::handles::Statement;
 use super::model::{ContactModel, Model};
-use super::rigid::FreeBody;
+use super::rigid::RemainingMotions;
 use super::rigid_bodies::RigidBodies;
 use super::rigid_rows::closed_forms;
-use super::supports::{Ties, free_by, free_motions, held_by, sentences};
+use super::supports::{Ties, free_motions, motion_texts, remaining_motions_with, rigid_forms};
 use std::collections::HashSet;
 
 /// A body, or an obstacle that a force presses, that can still move as a rigid body.
@@ -27,13 +27,13 @@ impl<const S: usize, const N: usize> Model<S, N> {
         self.motions(self.left_by_points(times))
     }
 
-    fn left_by_points(&self, times: &[f64]) -> Vec<FreeBody> {
+    fn left_by_points(&self, times: &[f64]) -> Vec<RemainingMotions> {
         let first: Vec<Vec<_>> = self.contacts.iter().map(|c| c.parts.iter().map(|p| &p.first).collect()).collect();
-        self.first_left(times, |t| free_by(self, t, &first, &|_, _, _| true, Ties::Points))
+        self.first_left(times, |t| remaining_motions_with(self, t, &first, &|_, _, _| true, Ties::Points))
     }
 
     /// Motions at the first of `times` that leaves any: springs and foundations may vanish at some of them.
-    fn first_left(&self, times: &[f64], left: impl Fn(f64) -> Vec<FreeBody>) -> Vec<FreeBody> {
+    fn first_left(&self, times: &[f64], left: impl Fn(f64) -> Vec<RemainingMotions>) -> Vec<RemainingMotions> {
         let changes = self.springs.iter().any(|s| s.stiffness.depends_on_time()) || self.foundations_change(None);
         let times = if changes { times } else { &times[..times.len().min(1)] };
         times.iter().map(|t| left(*t)).find(|free| !free.is_empty()).unwrap_or_default()
@@ -46,13 +46,13 @@ impl<const S: usize, const N: usize> Model<S, N> {
         if free.is_empty() {
             let bodies = RigidBodies::of(self);
             free = self.first_left(times, |t| {
-                let (modes, mut forms) = held_by(self, &bodies, Some(t), Ties::Functions);
+                let (modes, mut forms) = rigid_forms(self, &bodies, Some(t), Ties::Functions);
                 forms.extend(closed_forms(self, &modes, &bodies));
                 let left = modes.names(&modes.null(&forms)).into_iter();
                 left.map(|f| bodies.numbered(self, &modes, f)).collect()
             });
         }
-        if free.is_empty() { Ok(()) } else { Err(ProblemError::named(ErrorKind::Motions(sentences(self, &free)), &[]).into()) }
+        if free.is_empty() { Ok(()) } else { Err(ProblemError::named(ErrorKind::Motions(motion_texts(self, &free)), &[]).into()) }
     }
 
     /// Motions that are left at time `t` with the contact rows `open`, all others closed.
@@ -67,9 +67,9 @@ impl<const S: usize, const N: usize> Model<S, N> {
         self.motions(free_motions(self, t, &contacts, &|k, p, q| closed[k][p][q]))
     }
 
-    fn motions(&self, free: Vec<FreeBody>) -> Vec<RigidMotion> {
-        let sentences = sentences(self, &free);
-        let of = |f: &FreeBody| match f.body.checked_sub(self.patches.len()) {
+    fn motions(&self, free: Vec<RemainingMotions>) -> Vec<RigidMotion> {
+        let sentences = motion_texts(self, &free);
+        let of = |f: &RemainingMotions| match f.body.checked_sub(self.patches.len()) {
             Some(contact) => self.contacts[contact].id.into(),
             None => self.patches[f.body].id.into(),
         };

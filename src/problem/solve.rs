@@ -6,7 +6,7 @@ use super::linearised::StepSystem;
 use super::matrices::Matrices;
 use super::model::Model;
 use super::observer::{Observer, Progress};
-use super::solver::Solver;
+use super::solver::ProblemSolver;
 use super::state::{StepError, StepState, Unsolved};
 use crate::constraint::{ConstrainedSolution, ConstraintSolver, SolveError, verified};
 use crate::linalg::LinearError;
@@ -15,7 +15,7 @@ use crate::linalg::LinearError;
 pub(super) fn once<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &Matrices,
-    solver: &mut Solver,
+    solver: &mut ProblemSolver,
     t: f64,
     before: Option<&StepState<S, N>>,
     place: Option<&[f64]>,
@@ -65,7 +65,7 @@ fn explained(error: SolveError, missing: Option<Unheld>) -> StepError {
 fn solved<const S: usize, const N: usize>(
     system: &mut StepSystem<S, N>,
     model: &Model<S, N>,
-    solver: &mut Solver,
+    solver: &mut ProblemSolver,
     near: bool,
     retreat: bool,
     observer: Observer<'_>,

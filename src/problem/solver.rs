@@ -4,12 +4,12 @@ use crate::constraint::{Abilities, ActiveSet, ConstraintSolver};
 
 /// Constraint solver of a problem, kept from step to step.
 #[derive(Debug)]
-pub struct Solver {
+pub struct ProblemSolver {
     /// The solver, with an active set around it.
     pub(super) set: ActiveSet<Box<dyn ConstraintSolver>>,
 }
 
-impl Solver {
+impl ProblemSolver {
     /// Wraps a constraint solver; one that refuses contact rows gets an active set around it.
     pub fn new(inner: Box<dyn ConstraintSolver>) -> Self {
         Self { set: ActiveSet::new(inner) }

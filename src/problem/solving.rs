@@ -14,7 +14,7 @@ use super::observer::Observer;
 use super::rigid_motions::RigidMotion;
 use super::row_names::RowsOfSide;
 use super::solved::{Common, Solved, State};
-use super::solver::Solver;
+use super::solver::ProblemSolver;
 use super::state::{StepError, StepState, Unsolved};
 use super::step::step;
 use super::warnings::Warning;
@@ -51,12 +51,12 @@ pub(super) struct Assembled<const S: usize, const N: usize> {
     common: Arc<Common<S, N>>,
     times: Vec<f64>,
     stiffness: Option<Stiffness>,
-    solver: Solver,
+    solver: ProblemSolver,
 }
 
 impl<const S: usize, const N: usize> Assembled<S, N> {
     pub fn new(common: Common<S, N>, times: Vec<f64>) -> Self {
-        Self { common: Arc::new(common), times, stiffness: None, solver: Solver::new(Box::new(Direct::new())) }
+        Self { common: Arc::new(common), times, stiffness: None, solver: ProblemSolver::new(Box::new(Direct::new())) }
     }
 }
 
@@ -102,7 +102,7 @@ impl<const S: usize, const N: usize> Solve<S, N> for Assembled<S, N> {
     }
 
     fn replace_solver(&mut self, solver: Box<dyn ConstraintSolver>) {
-        self.solver = Solver::new(solver);
+        self.solver = ProblemSolver::new(solver);
     }
 
     fn assemble_at(&mut self, t: f64) {

@@ -4,7 +4,7 @@ use super::at_rest::at_rest;
 use super::matrices::Matrices;
 use super::model::Model;
 use super::observer::Observer;
-use super::solver::Solver;
+use super::solver::ProblemSolver;
 use super::state::{StepError, StepState, Unsolved};
 use crate::constraint::SolveError;
 
@@ -18,7 +18,7 @@ use crate::constraint::SolveError;
 pub fn step<const S: usize, const N: usize>(
     model: &Model<S, N>,
     matrices: &Matrices,
-    solver: &mut Solver,
+    solver: &mut ProblemSolver,
     t: f64,
     before: Option<&StepState<S, N>>,
     observer: Observer<'_>,

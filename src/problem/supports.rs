@@ -2,7 +2,7 @@
 
 use super::data::Point;
 use super::model::{BodySide, ContactPart, Foundation, Model, SideSpring, TiePart};
-use super::rigid::{FreeBody, RigidForm, RigidModes, RigidRow, short};
+use super::rigid::{RemainingMotions, RigidForm, RigidModes, RigidRow, short};
 use super::rigid_bodies::{RigidBodies, contact_terms, unit};
 use super::rigid_rows::tie_forms;
 use crate::basis::Order;
@@ -126,20 +126,20 @@ pub fn free_motions<const S: usize, const N: usize>(
     t: f64,
     contacts: &[Vec<&ContactRows<S, N>>],
     closed: &dyn Fn(usize, usize, usize) -> bool,
-) -> Vec<FreeBody> {
-    free_by(model, t, contacts, closed, Ties::Functions)
+) -> Vec<RemainingMotions> {
+    remaining_motions_with(model, t, contacts, closed, Ties::Functions)
 }
 
 /// Computes [`free_motions`] with ties by points or by functions.
-pub fn free_by<const S: usize, const N: usize>(
+pub fn remaining_motions_with<const S: usize, const N: usize>(
     model: &Model<S, N>,
     t: f64,
     contacts: &[Vec<&ContactRows<S, N>>],
     closed: &dyn Fn(usize, usize, usize) -> bool,
     ties: Ties,
-) -> Vec<FreeBody> {
+) -> Vec<RemainingMotions> {
     let bodies = RigidBodies::of(model);
-    let (modes, mut forms) = held_by(model, &bodies, Some(t), ties);
+    let (modes, mut forms) = rigid_forms(model, &bodies, Some(t), ties);
     for (k, contact) in model.contacts.iter().enumerate() {
         for (p, part) in contact.parts.iter().enumerate() {
             forms.extend(contact_points(model, &modes, &bodies, k, part, contacts[k][p], &|q| closed(k, p, q)));
@@ -174,11 +174,11 @@ pub(super) fn floating<const S: usize, const N: usize>(model: &Model<S, N>, t: f
 
 /// The rigid motions of a model and what supports, springs and ties ask of them at time `t`: both ways, without contacts.
 pub(super) fn held<const S: usize, const N: usize>(model: &Model<S, N>, t: f64, bodies: &RigidBodies) -> (RigidModes<N>, Vec<RigidForm>) {
-    held_by(model, bodies, Some(t), Ties::Functions)
+    rigid_forms(model, bodies, Some(t), Ties::Functions)
 }
 
 /// The rigid motions of a model and what supports and ties ask of them, with the springs and foundations of a time, or without any.
-pub fn held_by<const S: usize, const N: usize>(
+pub fn rigid_forms<const S: usize, const N: usize>(
     model: &Model<S, N>,
     bodies: &RigidBodies,
     springs: Option<f64>,
@@ -287,7 +287,7 @@ fn guides<const S: usize, const N: usize>(model: &Model<S, N>, body: usize, cont
 }
 
 /// Sentences such as `body "upper" can still move: translation x, rotation`, one per body.
-pub fn sentences<const S: usize, const N: usize>(model: &Model<S, N>, free: &[FreeBody]) -> Vec<String> {
+pub fn motion_texts<const S: usize, const N: usize>(model: &Model<S, N>, free: &[RemainingMotions]) -> Vec<String> {
     free.iter()
         .map(|f| {
             if let Some(contact) = f.body.checked_sub(model.patches.len()) {

@@ -5,7 +5,7 @@ use super::integrate::on_trace;
 use super::model::{BodySide, TiePart};
 use super::side_field::{Field, SideField, SidePoint, centres, degree};
 use super::solved::State;
-use super::tie_field::{TieField, component_rows, multiplier_at};
+use super::tie_field::{TractionEvaluator, component_rows, multiplier_at};
 use crate::basis::Order;
 use crate::geometry::{ClosestPoint, Geometry, MapTable, Projection};
 use crate::linalg::Vector;
@@ -22,7 +22,7 @@ pub(super) fn tie_along<const S: usize, const N: usize>(
     let part = &state.model().ties[t].parts[p];
     let lambda = |sign: f64| -> Field<S> {
         let state = Arc::clone(state);
-        let field = TieField::of(state.model(), &state.model().ties[t].parts[p], state.state().t);
+        let field = TractionEvaluator::of(state.model(), &state.model().ties[t].parts[p], state.state().t);
         Box::new(move |element, xi| {
             let (model, solved) = (state.model(), state.state());
             let per_component = field.at(model, &model.ties[t].parts[p], solved, element, xi);
@@ -138,7 +138,7 @@ fn without_rows<const S: usize, const N: usize>(
 ) -> Vec<SidePoint<N>> {
     let (model, solved) = (state.model(), state.state());
     let part = &model.ties[t].parts[p];
-    let (field, jump) = (TieField::of(model, part, solved.t), jumps(state, [t, p]));
+    let (field, jump) = (TractionEvaluator::of(model, part, solved.t), jumps(state, [t, p]));
     let (mut rows, mut map) = (Vec::new(), MapTable::new());
     for (k, segments) in part.pairings.iter().map(|pairing| &pairing.segments).enumerate() {
         let lambda = field.on_segments(model, part, solved, k);

@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 /// lambda of a tied part at a time, as a function of the state.
 #[derive(Debug)]
-pub struct TieField<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
+pub struct TractionEvaluator<const S: usize, const N: usize>(Option<WithoutRows<S, N>>);
 
 /// Fluxes at the time, and the search for partners on the masters.
 #[derive(Debug)]
@@ -21,7 +21,7 @@ struct WithoutRows<const S: usize, const N: usize> {
     masters: Vec<ClosestPoint<S, N, Arc<dyn Space<S, N>>>>,
 }
 
-impl<const S: usize, const N: usize> TieField<S, N> {
+impl<const S: usize, const N: usize> TractionEvaluator<S, N> {
     /// Creates the evaluator of `part` at time `t`.
     pub fn of(model: &Model<S, N>, part: &TiePart<S, N>, t: f64) -> Self {
         let closest = |p: &Pairing<S, N>| ClosestPoint::new(Arc::clone(&p.master.trace.space));

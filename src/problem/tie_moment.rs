@@ -3,7 +3,7 @@
 use super::model::{Model, TiePart};
 use super::resultant::{Resultant, cross};
 use super::state::StepState;
-use super::tie_field::TieField;
+use super::tie_field::TractionEvaluator;
 use crate::basis::Order;
 use crate::geometry::MapTable;
 
@@ -19,7 +19,7 @@ pub struct LostMoment {
 impl<const S: usize, const N: usize> TiePart<S, N> {
     /// The moment that lambda, equal and opposite on both sides, has about the distance of their points.
     pub fn lost_moment(&self, model: &Model<S, N>, state: &StepState<S, N>) -> LostMoment {
-        let (field, mut lost) = (TieField::of(model, self, state.t), Resultant::default());
+        let (field, mut lost) = (TractionEvaluator::of(model, self, state.t), Resultant::default());
         let (mut own, mut other, mut force) = (MapTable::new(), MapTable::new(), 0.0);
         for (k, pairing) in self.pairings.iter().enumerate() {
             let s = &pairing.segments;

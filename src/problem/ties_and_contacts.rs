@@ -2,7 +2,7 @@
 
 use super::builder::Problem;
 use super::changing::Changing;
-use super::coupled::{Contact, ContactOptions, Coupled, Faced, Opponent, Tie, TieOptions, TiePair};
+use super::coupled::{Contact, ContactOptions, Coupled, Opponent, StatedOpponent, Tie, TieOptions, TiePair};
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{Kind, Sides};
@@ -47,13 +47,13 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let (text, faced) = match opponent.into() {
             Opponent::Sides(masters) => {
                 let masters = self.sides(masters)?;
-                (labels(&masters), Faced::Sides(masters))
+                (labels(&masters), StatedOpponent::Sides(masters))
             }
             Opponent::Obstacle(shape) => {
                 let at_rest = Changing(Arc::new(move |_| Box::new(Arc::clone(&shape)) as Box<dyn Obstacle<S, N>>));
-                ("obstacle".to_owned(), Faced::Obstacle { at_rest, changes: false })
+                ("obstacle".to_owned(), StatedOpponent::Obstacle { at_rest, changes: false })
             }
-            Opponent::Changing(at_rest) => ("obstacle".to_owned(), Faced::Obstacle { at_rest, changes: true }),
+            Opponent::Changing(at_rest) => ("obstacle".to_owned(), StatedOpponent::Obstacle { at_rest, changes: true }),
         };
         let name = format!("{} - {text}", labels(&slaves));
         if self.components() == 1 {

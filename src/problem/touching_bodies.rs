@@ -6,7 +6,7 @@ use super::error::{ErrorKind, ProblemError};
 use super::facets_apart::FacetsApart;
 use super::handles::{BodyId, Kind, SideOf, Statement};
 use super::said::Gluing;
-use super::touching::{Couple, Finding, Search, TouchError};
+use super::touching::{Finding, PairedSides, Search, TouchError};
 use crate::space::Near;
 
 impl<const S: usize, const N: usize> Problem<S, N> {
@@ -42,13 +42,13 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// Glues the sides of a couple that a search found.
-    pub fn glue_couple(&mut self, couple: Couple<S, N>) -> Statement {
+    pub fn glue_couple(&mut self, couple: PairedSides<S, N>) -> Statement {
         let of = self.statement();
         self.push_couple(of, couple);
         of
     }
 
-    fn push_couple(&mut self, of: Statement, couple: Couple<S, N>) {
+    fn push_couple(&mut self, of: Statement, couple: PairedSides<S, N>) {
         let exact = couple.masters.iter().chain([&couple.slave]).all(|side| self.bodies[side.patch].exact_map);
         let near = match couple.tolerance {
             Some(distance) => Near::Given(distance),
@@ -60,8 +60,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// Ties the slaves of couples that a search found to their masters.
-    pub fn tie_couples(&mut self, couples: Vec<Couple<S, N>>) -> &mut Tie<S, N> {
-        let pair = |c: Couple<S, N>| TiePair { slave: c.slave, masters: c.masters, explained: c.explained, is_asked: false };
+    pub fn tie_couples(&mut self, couples: Vec<PairedSides<S, N>>) -> &mut Tie<S, N> {
+        let pair = |c: PairedSides<S, N>| TiePair { slave: c.slave, masters: c.masters, explained: c.explained, is_asked: false };
         self.tie_pairs(couples.into_iter().map(pair).collect())
     }
 
@@ -104,7 +104,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let Self { compiled, bodies, regions, ties, contacts, gluings, findings, .. } = self;
         let mut source = |body: usize, name: &str| regions.side(bodies, body, name);
         let mut search = Search::new(*compiled, bodies, &mut source);
-        let couple = |slave: &_, masters: &[_]| Couple {
+        let couple = |slave: &_, masters: &[_]| PairedSides {
             slave: std::sync::Arc::clone(slave),
             masters: masters.to_vec(),
             tolerance: None,

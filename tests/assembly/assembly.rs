@@ -200,7 +200,7 @@ fn matrices_and_errors_have_the_same_bits_for_any_number_of_threads() {
     for threads in [2, 3, 7] {
         let (k, f, e) = run(threads);
         assert!(k.vals().iter().zip(k1.vals()).all(|(a, b)| a.to_bits() == b.to_bits()));
-        assert_eq!((k.pattern(), k.places()), (k1.pattern(), k1.places()));
+        assert_eq!((k.pattern(), k.dof_coordinates()), (k1.pattern(), k1.dof_coordinates()));
         assert_eq!((f, e), (f1.clone(), e1));
     }
 }
@@ -395,7 +395,7 @@ fn the_reduced_system_solves_the_full_one_with_bound_and_prescribed_unknowns() {
     ];
     let reduced = Reduced::try_new(&[&k, &k], &load, &prescribed, &equations).unwrap();
     assert_eq!(reduced.num_free(), 2 * n - 16 - 4);
-    assert_eq!(reduced.stiffness.places().len(), reduced.num_free());
+    assert_eq!(reduced.stiffness.dof_coordinates().len(), reduced.num_free());
     let mut v = vec![0.0; reduced.num_free()];
     Dense.solve(&reduced.stiffness, &reduced.load, &mut v).unwrap();
     let u = reduced.expand(&v);

@@ -73,7 +73,7 @@ fn without_matrix<const C: usize, const N: usize>(space: &dyn Space<N, N>, form:
     let apart = |a: &[f64], b: &[f64]| largest(a.iter().zip(b).map(|(a, b)| a - b));
     let size_of = |a: &[f64]| largest(a.iter().copied());
     let mut all = vec![apart(&found, &expected) / size, apart(&free.diagonal(), &matrix.diagonal()) / size_of(&matrix.diagonal())];
-    assert_eq!(free.places(), matrix.places());
+    assert_eq!(free.dof_coordinates(), matrix.dof_coordinates());
     let field = |x: &Vector<N>| -> (Vector<C>, Matrix<C, N>) {
         (Vector::repeat((2.0 * x[0] + x[1]).sin()), Matrix::from_fn(|c, j| x[j] - 0.3 * c as f64))
     };
@@ -115,13 +115,13 @@ fn check<const N: usize>(space: &dyn Space<N, N>, single: bool, steel: &Hooke<N>
     let (fast, plain) = (mass(space, &rules), mass(&Plain(space), &rules));
     assert!(fast.vals() != plain.vals(), "the contraction is what is tested");
     assert!(apart(&fast, &plain) <= SAME, "mass");
-    let size = Operator::places(&plain).iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    let size = Operator::dof_coordinates(&plain).iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
     if single {
-        for (a, b) in Operator::places(&fast).iter().zip(Operator::places(&plain)) {
+        for (a, b) in Operator::dof_coordinates(&fast).iter().zip(Operator::dof_coordinates(&plain)) {
             assert!((0..3).all(|k| (a[k] - b[k]).abs() <= SAME_PLACE * size), "{a:?} {b:?}");
         }
     }
-    assert_eq!(Operator::places(&fast).len(), space.num_functions());
+    assert_eq!(Operator::dof_coordinates(&fast).len(), space.num_functions());
     states_are_those_of_each_element::<1, N>(space, &rules);
     states_are_those_of_each_element::<N, N>(space, &rules);
     stresses_are_those_of_each_element(space, steel);

@@ -64,9 +64,9 @@ fn compare<const C: usize, const N: usize>(space: &dyn Space<N, N>, rules: &dyn 
             assert!(same, "{what}: symmetric to the last bit");
         }
     }
-    assert_eq!(fast.places().len(), fast.num_rows());
-    let size = plain.places().iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
-    for (a, b) in fast.places().iter().zip(plain.places()) {
+    assert_eq!(fast.dof_coordinates().len(), fast.num_rows());
+    let size = plain.dof_coordinates().iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()));
+    for (a, b) in fast.dof_coordinates().iter().zip(plain.dof_coordinates()) {
         assert!((0..3).all(|k| (a[k] - b[k]).abs() <= SAME_PLACE * size), "{what}: {a:?} {b:?}");
     }
 }

@@ -40,7 +40,7 @@ fn compare<const C: usize, const N: usize>(space: &dyn Space<N, N>, rules: &dyn 
         operator.apply(&x, &mut found);
         most = most.max(apart(&found, &expected, &vec![size; n]));
         most = most.max(apart(&operator.diagonal(), &matrix.diagonal(), &vec![largest; n]));
-        assert_eq!(operator.places(), matrix.places());
+        assert_eq!(operator.dof_coordinates(), matrix.dof_coordinates());
     }
     assert!(most <= SAME, "apart by {most:e}, degrees {:?}", space.degree(0));
     most
@@ -164,7 +164,7 @@ fn operators_keep_the_contract_on_patches_and_on_cells() {
             matrix.apply(&x, &mut b);
             let size = b.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             assert!(apart(&a, &b, &vec![size; x.len()]) <= SAME);
-            assert_eq!(cells.places(), matrix.places());
+            assert_eq!(cells.dof_coordinates(), matrix.dof_coordinates());
         }
     }
     let axes = || [spline(2, 3), smooth(3, 3)];

@@ -132,7 +132,7 @@ fn elasticity_takes_less_than_nine_bytes_per_entry_in_space() {
         let patch = Patch::<2, 3>::try_new(&spec).unwrap();
         let space = patch.space();
         let k = stiffness(space, &gauss_rules(space, 0), &form(&material).unwrap());
-        assert_eq!(k.places().len(), k.num_rows());
+        assert_eq!(k.dof_coordinates().len(), k.num_rows());
         let counted = 8 * k.num_entries() + 4 * k.num_entries() / 9 + 8 * (k.num_rows() / 3 + 1) + 24 * k.num_rows();
         assert_eq!(k.bytes(), counted, "values, one column per 3 x 3 block, row pointers, places");
         let per_entry = k.bytes() as f64 / k.num_entries() as f64;
@@ -147,7 +147,7 @@ fn reduction_keeps_blocks_where_nodes_are_held_as_a_whole() {
     let net = faying::geometry::shapes::brick([0.0; 3], [1.0; 3]).unwrap();
     let patch = Patch::<2, 3>::try_new(&PatchSpec::new(net).with_degree([2; 3]).with_elements([2; 3])).unwrap();
     let k = stiffness(patch.space(), &gauss_rules(patch.space(), 0), &form(&Hooke::<3>::solid(1.0, 0.3).unwrap()).unwrap());
-    let single = scattered(&k).with_dof_coordinates(k.places().to_vec());
+    let single = scattered(&k).with_dof_coordinates(k.dof_coordinates().to_vec());
     let n = k.num_rows();
     let f: Vec<f64> = (0..2 * n).map(|i| (i as f64).sin()).collect();
     let whole: Vec<(usize, f64)> = (0..30).chain(n + 60..n + 75).map(|i| (i, 0.1 * i as f64)).collect();
@@ -161,7 +161,7 @@ fn reduction_keeps_blocks_where_nodes_are_held_as_a_whole() {
         let expected = Reduced::try_new(&[&single, &single], &f, prescribed, equations).unwrap();
         assert_eq!(blocked.stiffness.pattern().block(), block);
         same_rows(&blocked.stiffness, &expected.stiffness);
-        assert_eq!((&blocked.load, blocked.stiffness.places()), (&expected.load, expected.stiffness.places()));
+        assert_eq!((&blocked.load, blocked.stiffness.dof_coordinates()), (&expected.load, expected.stiffness.dof_coordinates()));
         // Pᵀ K P v by products with the matrices of the bodies
         let v: Vec<f64> = (0..blocked.num_free()).map(|i| (0.7 * i as f64).cos()).collect();
         let zero = vec![0.0; blocked.num_free()];

@@ -121,7 +121,7 @@ fn graphs_places_and_matrices_are_the_same_for_any_number_of_threads() {
                 let other = run(threads);
                 assert!(other.0 == one.0 && other.1 == one.1, "way {way}, {threads} threads: the graph");
                 assert!(same_bits(&other.2, &one.2) && same_bits(&other.3, &one.3), "way {way}, {threads} threads: the matrices");
-                assert_eq!(other.2.places(), one.2.places(), "way {way}, {threads} threads");
+                assert_eq!(other.2.dof_coordinates(), one.2.dof_coordinates(), "way {way}, {threads} threads");
             }
             let plain = stiffness(&Plain(space), &rules, &Form::<1, N>::laplace());
             assert!(apart(&one.2, &plain) <= SAME, "way {way}");

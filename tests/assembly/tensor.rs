@@ -31,7 +31,7 @@ fn compare<const C: usize, const N: usize>(space: &dyn Space<N, N>, rules: &dyn 
         }
     }
     let size = plain.places_size();
-    for (a, b) in faying::linalg::Operator::places(&fast).iter().zip(faying::linalg::Operator::places(&plain)) {
+    for (a, b) in faying::linalg::Operator::dof_coordinates(&fast).iter().zip(faying::linalg::Operator::dof_coordinates(&plain)) {
         assert!((0..3).all(|k| (a[k] - b[k]).abs() <= SAME_PLACE * size), "{a:?} {b:?}");
     }
     apart
@@ -42,7 +42,7 @@ trait PlacesSize {
 }
 impl PlacesSize for Csr {
     fn places_size(&self) -> f64 {
-        let places = faying::linalg::Operator::places(self);
+        let places = faying::linalg::Operator::dof_coordinates(self);
         assert_eq!(places.len(), self.num_rows());
         places.iter().flatten().fold(0.0, |m: f64, x| m.max(x.abs()))
     }

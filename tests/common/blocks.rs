@@ -185,6 +185,6 @@ pub fn contact_blocks(lift: f64) -> Blocks {
         cols.zip(vals).for_each(|(j, &v)| k.push(i, j, v));
     }
     k.push(blocks.lower, blocks.lower, 1.0);
-    blocks.stiffness = k.to_csr().with_dof_coordinates(blocks.stiffness.places().to_vec());
+    blocks.stiffness = k.to_csr().with_dof_coordinates(blocks.stiffness.dof_coordinates().to_vec());
     blocks
 }

@@ -10,7 +10,7 @@ use faying::geometry::shapes::rectangle;
 use faying::linalg::Vector;
 use faying::physics::{Assumption, Conductor, Hooke, Material};
 use faying::problem::{
-    BodyId, BodyMaterial, BodySpec, Components, Data, Derivatives, ErrorKind, Exact, InterfaceError, Point, Problem, Value,
+    BodyId, BodyMaterial, BodySpec, Components, Data, Derivatives, ErrorKind, Exact, InterfaceError, Point, Problem, RevolutionError, Value,
 };
 use faying::space::{Body, Mesh, Patch, PatchSpec};
 use std::f64::consts::PI;
@@ -175,11 +175,11 @@ fn what_bodies_of_revolution_cannot_be_is_refused() {
     assert_eq!(p.assemble().unwrap_err().to_string(), "body \"a\" can still move: translation y");
     let plane = BodyMaterial::of::<2>(Hooke::plane_strain(1.0, 0.3).unwrap()).unwrap();
     let refused = p.add(BodySpec::new("b", section([0.0, 0.0]), plane)).unwrap_err();
-    assert_eq!(refused.kind, ErrorKind::Revolution { wanted: true });
+    assert_eq!(refused.kind, RevolutionError::NoHoopStrain.into());
     let mut flat = Problem::<1, 2>::new();
     let around = BodyMaterial::of::<2>(hooke()).unwrap();
     let refused = flat.add(BodySpec::new("b", section([0.0, 0.0]), around)).unwrap_err();
-    assert_eq!(refused.kind, ErrorKind::Revolution { wanted: false });
+    assert_eq!(refused.kind, RevolutionError::HoopStrain.into());
     p.fix(a.side("v0"), Components::Y).unwrap();
     // said again, what holds anyway is no mistake
     let mut again = p.clone();
@@ -189,15 +189,15 @@ fn what_bodies_of_revolution_cannot_be_is_refused() {
     let mut moved = p.clone();
     let of = moved.prescribe(a.side("u0"), 0, 0.1).unwrap();
     let errors = moved.assemble().unwrap_err();
-    assert!(errors.0.iter().any(|e| e.kind == ErrorKind::OnAxis && e.of == [of]), "{errors}");
+    assert!(errors.0.iter().any(|e| e.kind == RevolutionError::OnAxis.into() && e.of == [of]), "{errors}");
     let mut loaded = p.clone();
     let of = loaded.force(a.side("u0"), 1, 1.0).unwrap();
     let errors = loaded.assemble().unwrap_err();
-    assert!(errors.0.iter().any(|e| e.kind == ErrorKind::OnAxis && e.of == [of]), "{errors}");
+    assert!(errors.0.iter().any(|e| e.kind == RevolutionError::OnAxis.into() && e.of == [of]), "{errors}");
     let plate = HalfPlane::try_new(Vector::from([0.0, 1.0]), Vector::from([0.0, -1.0])).unwrap();
     let mut radial = p.clone();
     radial.contact(a.side("v1"), plate).unwrap().pressed(0, 1.0);
-    assert!(radial.assemble().unwrap_err().0.iter().any(|e| e.kind == ErrorKind::Radial));
+    assert!(radial.assemble().unwrap_err().0.iter().any(|e| e.kind == RevolutionError::RadialForce.into()));
     let mut dual = p.clone();
     dual.contact(a.side("v1"), plate).unwrap().multiplier(MultiplierKind::Dual);
     let errors = dual.assemble().unwrap_err();
@@ -207,7 +207,7 @@ fn what_bodies_of_revolution_cannot_be_is_refused() {
     let c = add::<2>(&mut beyond, "c", section([-0.5, 0.0]), hooke());
     beyond.fix(c.side("v0"), Components::Y).unwrap();
     let errors = beyond.assemble().unwrap_err();
-    assert_eq!(errors.0[0].kind, ErrorKind::BeyondAxis { x: [-0.5, 0.0, 0.0] });
+    assert_eq!(errors.0[0].kind, RevolutionError::BeyondAxis { x: [-0.5, 0.0, 0.0] }.into());
 }
 
 /// u = ln r between r = 1, 0 there, and r = e, 1 there: the flux through every cylinder is 2 pi h.

@@ -633,7 +633,8 @@ fn results_are_the_same_bits_on_one_and_two_threads() {
             let blocks = Blocks::new((70, 1.0), (60, 3.0), &[0, 1]);
             let a = Direct::new().solve(&blocks.system()).unwrap();
             let b = Condensed::new().solve(&blocks.system()).unwrap();
-            let order = ordering::nested_dissection(&usizes(&blocks.stiffness).0, &usizes(&blocks.stiffness).1, blocks.stiffness.places());
+            let order =
+                ordering::nested_dissection(&usizes(&blocks.stiffness).0, &usizes(&blocks.stiffness).1, blocks.stiffness.dof_coordinates());
             (a, b, order)
         })
     };
@@ -715,7 +716,7 @@ fn unknowns_without_places_of_their_own_are_not_dissected() {
     assert!(ordering::nested_dissection(&ptr, &cols, &vec![[f64::NAN; 3]; 100]).is_none());
     let b = grid([40, 40, 1], 1, |_| [0.0; 3]);
     let (ptr, cols) = usizes(&b);
-    assert!(ordering::nested_dissection(&ptr, &cols, b.places()).is_none());
+    assert!(ordering::nested_dissection(&ptr, &cols, b.dof_coordinates()).is_none());
     let mut solver = Ldlt::new();
     solver.prepare(&b).unwrap();
     assert!(!solver.uses_nested_dissection());
@@ -734,14 +735,14 @@ fn an_unknown_tied_to_all_others_comes_last() {
         all.push(n, i, -0.1);
     }
     all.push(n, n, 1e3);
-    let mut places = a.places().to_vec();
+    let mut places = a.dof_coordinates().to_vec();
     places.push([0.5, 0.5, 1.0]);
     let b = all.to_csr().with_dof_coordinates(places);
     let (ptr, cols) = usizes(&b);
-    let order = ordering::nested_dissection(&ptr, &cols, b.places()).unwrap();
+    let order = ordering::nested_dissection(&ptr, &cols, b.dof_coordinates()).unwrap();
     assert_eq!(order[n], n);
     let (plain_ptr, plain_cols) = usizes(&a);
-    let plain = ordering::nested_dissection(&plain_ptr, &plain_cols, a.places()).unwrap();
+    let plain = ordering::nested_dissection(&plain_ptr, &plain_cols, a.dof_coordinates()).unwrap();
     assert_eq!(ordering::factor_entries(&ptr, &cols, &order), ordering::factor_entries(&plain_ptr, &plain_cols, &plain) + n + 1);
 }
 

@@ -2,7 +2,7 @@
 
 use faying::geometry::shapes::{annulus_sector, brick};
 use faying::physics::Conductor;
-use faying::problem::touching::{Couple, Finding, Position, Search, TouchError};
+use faying::problem::touching::{Finding, PairedSides, Position, Search, TouchError};
 use faying::problem::{InterfaceSide, Problem};
 use faying::space::{Body, Mesh, Patch, PatchSpec, Trace};
 use std::sync::Arc;
@@ -48,7 +48,7 @@ where
 }
 
 /// Slaves with their masters, by label.
-fn names<const S: usize, const N: usize>(couples: &[Couple<S, N>]) -> Vec<(&str, Vec<&str>)> {
+fn names<const S: usize, const N: usize>(couples: &[PairedSides<S, N>]) -> Vec<(&str, Vec<&str>)> {
     couples.iter().map(|c| (c.slave.label(), c.masters.iter().map(|m| m.label()).collect())).collect()
 }
 

@@ -15,7 +15,7 @@ use serde::Serialize;
 use serde::ser::SerializeStruct;
 
 use super::codes;
-use super::place::{Lines, Origin, Place};
+use super::place::{LineStarts, Origin, SourceSpan};
 
 /// Severity of a diagnostic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -111,7 +111,7 @@ impl Diagnostic {
     }
 
     /// Adds a place in a source, with its snippet.
-    pub fn at(mut self, source: &CaseText, place: Place) -> Self {
+    pub fn at(mut self, source: &CaseText, place: SourceSpan) -> Self {
         match place.origin {
             Origin::Set(k) => {
                 self.file = Some(source.sets.get(k).map_or_else(|| "--set".to_owned(), |s| format!("--set {s}")));
@@ -210,7 +210,7 @@ pub struct CaseText {
     /// Name of the file as the user wrote it.
     pub name: String,
     /// Its lines.
-    pub lines: Lines,
+    pub lines: LineStarts,
     /// The texts of the `--set` options.
     pub sets: Vec<String>,
 }

@@ -50,11 +50,11 @@ pub fn number(x: f64) -> String {
 
 /// One line per member of the outermost object, everything deeper on that line.
 #[derive(Debug, Default)]
-struct Lines {
+struct LineStarts {
     depth: usize,
 }
 
-impl Formatter for Lines {
+impl Formatter for LineStarts {
     fn write_f64<W: Write + ?Sized>(&mut self, writer: &mut W, value: f64) -> io::Result<()> {
         writer.write_all(number(value).as_bytes())
     }
@@ -86,7 +86,7 @@ impl Formatter for Lines {
 /// The text of a JSON document, ending in a line break.
 pub fn text(value: &Value) -> String {
     let mut bytes = Vec::new();
-    let mut serializer = Serializer::with_formatter(&mut bytes, Lines::default());
+    let mut serializer = Serializer::with_formatter(&mut bytes, LineStarts::default());
     value.serialize(&mut serializer).expect("a JSON value can always be written to memory");
     bytes.push(b'\n');
     String::from_utf8(bytes).expect("JSON text is UTF-8")

@@ -21,7 +21,7 @@ pub enum Origin {
 ///
 /// Lines and columns count from 1, columns in characters; line 0 means that there is no place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
-pub struct Place {
+pub struct SourceSpan {
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
@@ -32,7 +32,7 @@ pub struct Place {
     pub origin: Origin,
 }
 
-impl Place {
+impl SourceSpan {
     /// No place at all.
     pub const NONE: Self = Self { line: 0, column: 0, length: 0, origin: Origin::Default };
 
@@ -55,12 +55,12 @@ pub struct Located<T> {
     /// The value.
     pub value: T,
     /// Place of the value.
-    pub at: Place,
+    pub at: SourceSpan,
 }
 
 impl<T> Located<T> {
     /// A value with its place.
-    pub fn new(value: T, at: Place) -> Self {
+    pub fn new(value: T, at: SourceSpan) -> Self {
         Self { value, at }
     }
 
@@ -91,12 +91,12 @@ impl<T: fmt::Debug> fmt::Debug for Located<T> {
 
 /// Line starts of a text, to turn byte offsets into places.
 #[derive(Clone, Debug, Default)]
-pub struct Lines {
+pub struct LineStarts {
     text: String,
     starts: Vec<usize>,
 }
 
-impl Lines {
+impl LineStarts {
     /// Indexes a text.
     pub fn new(text: &str) -> Self {
         let starts = std::iter::once(0).chain(text.bytes().enumerate().filter(|(_, b)| *b == b'\n').map(|(k, _)| k + 1)).collect();
@@ -104,7 +104,7 @@ impl Lines {
     }
 
     /// The place of a range of bytes; the part beyond the first line is cut off.
-    pub fn place(&self, range: std::ops::Range<usize>) -> Place {
+    pub fn place(&self, range: std::ops::Range<usize>) -> SourceSpan {
         let start = self.floor(range.start);
         let line = self.starts.partition_point(|&s| s <= start).max(1);
         let begin = self.starts.get(line - 1).copied().unwrap_or(0);
@@ -112,7 +112,7 @@ impl Lines {
         let end = self.floor(range.end).clamp(start, (begin + content.len()).max(start));
         let column = self.text[begin..start].chars().count() + 1;
         let length = self.text[start..end].chars().count().max(1);
-        Place { line, column, length, origin: Origin::File }
+        SourceSpan { line, column, length, origin: Origin::File }
     }
 
     /// The text of a line, counted from 1, without its end.

@@ -131,9 +131,9 @@ impl<F> Family<Keyed<F>> {
 /// Makes a material at a time from the values of its keys: see [`Physics::new`] for the number of components.
 pub type MakeMaterial<const N: usize> = Arc<dyn Fn(&case::Given, f64) -> Result<Physics<N>, Fault> + Send + Sync>;
 /// An obstacle without its motion, as a function of time.
-pub type AtRest<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Obstacle<S, N>> + Send + Sync>;
+pub type ObstacleAtTime<const S: usize, const N: usize> = Box<dyn Fn(f64) -> Box<dyn Obstacle<S, N>> + Send + Sync>;
 /// Makes an obstacle, which is a function of the time, from the values of its keys.
-pub type MakeObstacle<const S: usize, const N: usize> = Box<dyn Fn(&case::Given) -> Result<AtRest<S, N>, Fault> + Send + Sync>;
+pub type MakeObstacle<const S: usize, const N: usize> = Box<dyn Fn(&case::Given) -> Result<ObstacleAtTime<S, N>, Fault> + Send + Sync>;
 /// Makes a body of a patch.
 pub type MakeBody<const S: usize, const N: usize> = Box<dyn Fn(&PatchSpec<N>) -> Result<Box<dyn Body<S, N>>, Fault> + Send + Sync>;
 /// Makes a coupling from the values of its keys.

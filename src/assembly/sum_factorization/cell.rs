@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::interpolate;
-use super::map::{self, Ask, numbers};
+use super::map::{self, MapEvaluator, numbers};
 use super::tensor_field::TensorField;
 use pulp::{NullaryFnOnce, Simd};
 
@@ -99,7 +99,7 @@ pub(super) fn fill_asked<S: Simd, const N: usize>(simd: S, weights: &[f64], oute
 pub(super) fn ask_cell<const N: usize>(
     axes: &[Axis],
     here: Here<'_>,
-    ask: &mut Ask<'_>,
+    ask: &mut MapEvaluator<'_>,
     xi: &mut Vec<f64>,
     asked: &mut Vec<f64>,
     lanes: usize,

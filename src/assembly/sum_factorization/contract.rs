@@ -79,7 +79,7 @@ pub(super) fn mass() -> Vec<ContractionGroup> {
 }
 
 /// Places of the components for the middle contraction: for a symmetric D (middle, slow) is read at (slow, middle).
-pub(super) fn places(symmetric: bool) -> [usize; COMPONENTS] {
+pub(super) fn component_order(symmetric: bool) -> [usize; COMPONENTS] {
     let mut places: [usize; COMPONENTS] = std::array::from_fn(|k| k);
     if symmetric {
         places[3] = places[1];

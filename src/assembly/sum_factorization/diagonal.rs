@@ -123,14 +123,14 @@ impl<S: Simd, const N: usize> Visit<S, N> for Diagonal<'_, S::f64s> {
     }
 }
 
-struct Run<'a, 'p, 's, const N: usize> {
+struct DiagonalSweep<'a, 'p, 's, const N: usize> {
     grid: QuadratureGrid<'a, 'p>,
     law: &'a PointOperator<'a>,
     components: usize,
     sink: &'a mut Sink<'s>,
 }
 
-impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
+impl<const N: usize> pulp::WithSimd for DiagonalSweep<'_, '_, '_, N> {
     type Output = ();
     fn with_simd<S: Simd>(self, simd: S) {
         if S::IS_SCALAR {
@@ -158,8 +158,8 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
 pub(super) fn diagonal(grid: QuadratureGrid<'_, '_>, law: &PointOperator<'_>, components: usize, sink: &mut Sink<'_>) {
     let arch = grid.arch;
     if grid.axes.len() == 2 {
-        arch.dispatch(Run::<2> { grid, law, components, sink });
+        arch.dispatch(DiagonalSweep::<2> { grid, law, components, sink });
     } else {
-        arch.dispatch(Run::<3> { grid, law, components, sink });
+        arch.dispatch(DiagonalSweep::<3> { grid, law, components, sink });
     }
 }

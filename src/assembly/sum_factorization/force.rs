@@ -111,14 +111,14 @@ pub(in crate::assembly) fn add_moments<S: Simd, const N: usize>(simd: S, map: &[
     }
 }
 
-struct Run<'a, 'p, 's, const N: usize, const K: usize> {
+struct ForceSweep<'a, 'p, 's, const N: usize, const K: usize> {
     grid: QuadratureGrid<'a, 'p>,
     width: usize,
     answer: &'a PointCallback<'a>,
     sink: &'a mut Sink<'s>,
 }
 
-impl<const N: usize, const K: usize> pulp::WithSimd for Run<'_, '_, '_, N, K> {
+impl<const N: usize, const K: usize> pulp::WithSimd for ForceSweep<'_, '_, '_, N, K> {
     type Output = ();
     fn with_simd<S: Simd>(self, simd: S) {
         if S::IS_SCALAR {
@@ -192,9 +192,9 @@ impl Patches<'_> {
 fn force(grid: QuadratureGrid<'_, '_>, width: usize, answer: &PointCallback<'_>, sink: &mut Sink<'_>) {
     let arch = grid.arch;
     match (grid.axes.len(), grid.state.is_some()) {
-        (2, false) => arch.dispatch(Run::<2, 1> { grid, width, answer, sink }),
-        (2, true) => arch.dispatch(Run::<2, 2> { grid, width, answer, sink }),
-        (_, false) => arch.dispatch(Run::<3, 1> { grid, width, answer, sink }),
-        (_, true) => arch.dispatch(Run::<3, 3> { grid, width, answer, sink }),
+        (2, false) => arch.dispatch(ForceSweep::<2, 1> { grid, width, answer, sink }),
+        (2, true) => arch.dispatch(ForceSweep::<2, 2> { grid, width, answer, sink }),
+        (_, false) => arch.dispatch(ForceSweep::<3, 1> { grid, width, answer, sink }),
+        (_, true) => arch.dispatch(ForceSweep::<3, 3> { grid, width, answer, sink }),
     }
 }

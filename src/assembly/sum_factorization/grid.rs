@@ -9,7 +9,7 @@ use super::Patch;
 use super::axis::Axis;
 use super::cell::{Cell, FromNet, Here, ask_cell, fill_asked};
 use super::interpolate::{self, Coefficients, Interpolation};
-use super::map::{Ask, Asks, Map, numbers};
+use super::map::{Map, MapEvaluator, MapEvaluators, numbers};
 use super::numbering::PatchNumbering;
 use super::simd::Aligned;
 use super::states::{Gradients, State};
@@ -53,7 +53,7 @@ pub(super) enum Points<'a, 'p> {
     /// Control points, with weights as last number where it is rational.
     TensorField(&'a TensorField),
     /// Any map, element by element.
-    Elements(&'a Asks<'p>),
+    Elements(&'a MapEvaluators<'p>),
     /// The map as stored on this processor, `numbers(N)` vectors per point; tile by tile, the first direction fastest.
     Map(&'a [f64]),
     /// Other data stored in the same way, with the number of vectors per point.
@@ -96,7 +96,7 @@ struct Scratch<'a, V> {
     numbers: Aligned<V>,
     weights: Aligned<V>,
     lanes: Vec<(usize, usize)>,
-    ask: Option<Box<Ask<'a>>>,
+    ask: Option<Box<MapEvaluator<'a>>>,
     xi: Vec<f64>,
     asked: Vec<f64>,
 }

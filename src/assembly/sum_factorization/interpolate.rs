@@ -86,7 +86,7 @@ impl<V: bytemuck::Pod> Interpolation<V> {
     /// Contracts the middle direction of a solid at the points of its element `e`.
     pub fn lines<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, field: Coefficients<'_>, e: usize) {
         if N == 3 {
-            simd.vectorize(Lines { simd, to: self, field, e });
+            simd.vectorize(LineInterpolation { simd, to: self, field, e });
         }
     }
 
@@ -180,14 +180,14 @@ impl<S: Simd> NullaryFnOnce for Planes<'_, S> {
     }
 }
 
-struct Lines<'a, S: Simd> {
+struct LineInterpolation<'a, S: Simd> {
     simd: S,
     to: &'a mut Interpolation<S::f64s>,
     field: Coefficients<'a>,
     e: usize,
 }
 
-impl<S: Simd> NullaryFnOnce for Lines<'_, S> {
+impl<S: Simd> NullaryFnOnce for LineInterpolation<'_, S> {
     type Output = ();
     #[inline(always)]
     fn call(self) {

@@ -9,16 +9,16 @@ use std::fmt::Debug;
 use std::ops::Range;
 
 /// Evaluates the map of an element at local points, N numbers each: per point N numbers of x, then dx_c/dxi_d at `d * N + c`.
-pub(in crate::assembly) type Ask<'a> = dyn FnMut(usize, &[f64], &mut Vec<f64>) + Send + 'a;
-/// Makes one [`Ask`] per task, so that each keeps its own tables.
-pub(in crate::assembly) type Asks<'a> = dyn Fn() -> Box<Ask<'a>> + Sync + 'a;
+pub(in crate::assembly) type MapEvaluator<'a> = dyn FnMut(usize, &[f64], &mut Vec<f64>) + Send + 'a;
+/// Makes one [`MapEvaluator`] per task, so that each keeps its own tables.
+pub(in crate::assembly) type MapEvaluators<'a> = dyn Fn() -> Box<MapEvaluator<'a>> + Sync + 'a;
 
 /// Source of the map.
 pub(super) enum Map<'a> {
     /// Control points, with weights as last number where it is rational.
     TensorField(TensorField),
     /// Any map, element by element, and the first element of the patch.
-    Elements(&'a Asks<'a>, usize),
+    Elements(&'a MapEvaluators<'a>, usize),
 }
 
 impl Debug for Map<'_> {
@@ -167,7 +167,7 @@ fn minor<S: Simd>(simd: S, a: S::f64s, d: S::f64s, b: S::f64s, c: S::f64s) -> S:
 
 /// Memory of [`fill_elements`].
 pub(super) struct ElementScratch<'a> {
-    ask: Option<(Box<Ask<'a>>, usize)>,
+    ask: Option<(Box<MapEvaluator<'a>>, usize)>,
     points: Vec<f64>,
     numbers: Vec<f64>,
 }

@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::cell::{Cell, Here};
 use super::diagonal::{self, ORDERS, squares};
 use super::grid::{Points, QuadratureGrid, Visit};
-use super::map::{Asks, Map};
+use super::map::{Map, MapEvaluators};
 use super::numbering::PatchNumbering;
 use super::point_operator::PointOperator;
 use super::product::product;
@@ -72,7 +72,7 @@ impl Free {
     }
 
     /// y = A x; `asks` returns an evaluator of the map of one element, for maps that are no net and not stored.
-    pub fn apply<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, x: &[T], y: &mut [T]) {
+    pub fn apply<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &MapEvaluators<'_>, x: &[T], y: &mut [T]) {
         y.fill(T::zero());
         let source = Integrand::new(form);
         for patch in &self.patches {
@@ -89,7 +89,7 @@ impl Free {
     }
 
     /// The diagonal.
-    pub fn diagonal<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &Asks<'_>, out: &mut [T]) {
+    pub fn diagonal<const C: usize, const N: usize, T: Real>(&self, form: &Form<'_, C, N, T>, asks: &MapEvaluators<'_>, out: &mut [T]) {
         out.fill(T::zero());
         let source = Integrand::new(form);
         for patch in &self.patches {
@@ -129,7 +129,7 @@ impl FreePatch {
         kept + 8 * (self.net.as_ref().map_or(0, |net| net.coefficients.len()) + 2 * self.weights().map_or(0, <[f64]>::len))
     }
 
-    fn grid<'a, 'p>(&'a self, asks: &'a Asks<'p>) -> QuadratureGrid<'a, 'p> {
+    fn grid<'a, 'p>(&'a self, asks: &'a MapEvaluators<'p>) -> QuadratureGrid<'a, 'p> {
         let points = match (&self.kept, &self.net) {
             (Some(kept), _) => kept.points(),
             (None, Some(net)) => Points::TensorField(net),
@@ -144,7 +144,7 @@ impl FreePatch {
         &self,
         part: PatchNumbering<'_>,
         source: &Integrand<'_>,
-        asks: &Asks<'_>,
+        asks: &MapEvaluators<'_>,
         work: impl FnOnce(QuadratureGrid<'_, '_>, &PointOperator<'_>),
     ) {
         if let Some(tangent) = self.kept.as_ref().and_then(|kept| kept.tangent) {
@@ -160,7 +160,7 @@ impl FreePatch {
         &self,
         part: PatchNumbering<'_>,
         source: &Integrand<'_>,
-        asks: &Asks<'_>,
+        asks: &MapEvaluators<'_>,
         out: &mut [T],
     ) {
         let slow = &self.axes[N - 1];
@@ -220,7 +220,7 @@ impl PointCache {
 }
 
 /// Visitor that stores the tangent of `law` in local coordinates at the points, or the map without a law.
-struct Keep<'a, V> {
+struct CacheVisitor<'a, V> {
     law: Option<&'a PointOperator<'a>>,
     symmetric: bool,
     components: usize,
@@ -231,7 +231,7 @@ struct Keep<'a, V> {
     buffer: Vec<f64>,
 }
 
-impl<S: Simd, const N: usize> Visit<S, N> for Keep<'_, S::f64s> {
+impl<S: Simd, const N: usize> Visit<S, N> for CacheVisitor<'_, S::f64s> {
     #[inline(always)]
     fn start(&mut self, _: S, _: &[(usize, usize)]) {
         self.all.clear();
@@ -278,7 +278,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for Keep<'_, S::f64s> {
     }
 }
 
-struct Run<'a, 'p, const N: usize> {
+struct CacheSweep<'a, 'p, const N: usize> {
     grid: QuadratureGrid<'a, 'p>,
     law: Option<&'a PointOperator<'a>>,
     symmetric: bool,
@@ -286,7 +286,7 @@ struct Run<'a, 'p, const N: usize> {
     size: usize,
 }
 
-impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
+impl<const N: usize> pulp::WithSimd for CacheSweep<'_, '_, N> {
     type Output = (Buffer<f64>, Range<usize>);
     fn with_simd<S: Simd>(self, simd: S) -> (Buffer<f64>, Range<usize>) {
         if S::IS_SCALAR {
@@ -294,8 +294,16 @@ impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
         }
         let (axes, law, symmetric, components) = (self.grid.axes, self.law, self.symmetric, self.components);
         let points = if N == 3 { axes[0].points() * axes[1].points() } else { axes[0].points() };
-        let new =
-            || Keep { law, symmetric, components, all: Vec::new(), g: Vec::new(), h: Vec::new(), tangents: Vec::new(), buffer: Vec::new() };
+        let new = || CacheVisitor {
+            law,
+            symmetric,
+            components,
+            all: Vec::new(),
+            g: Vec::new(),
+            h: Vec::new(),
+            tangents: Vec::new(),
+            buffer: Vec::new(),
+        };
         let tiles = axes[N - 1].points().div_ceil(S::F64_LANES);
         // room to start on a cache line; large pages, for every product streams all of it
         let mut all = Buffer::zeros(tiles * points * self.size * S::F64_LANES + NUMBERS);
@@ -322,8 +330,8 @@ pub(super) fn keep(grid: QuadratureGrid<'_, '_>, law: Option<&PointOperator<'_>>
     let size = if law.is_some() { size_of_tangent(components * n, symmetric) } else { super::map::numbers(n) };
     let arch = grid.arch;
     let (all, range) = match n {
-        2 => arch.dispatch(Run::<2> { grid, law, symmetric, components, size }),
-        _ => arch.dispatch(Run::<3> { grid, law, symmetric, components, size }),
+        2 => arch.dispatch(CacheSweep::<2> { grid, law, symmetric, components, size }),
+        _ => arch.dispatch(CacheSweep::<3> { grid, law, symmetric, components, size }),
     };
     PointCache { all, range, tangent: law.map(|_| Tangent { size, symmetric }) }
 }

@@ -55,7 +55,7 @@ pub(super) use cell::Cell;
 pub(super) use force::add_moments;
 pub(super) use grid::{PointCallback, QuadraturePoints};
 use map::Map;
-pub(super) use map::{Ask, Asks, finish, inverse, numbers as numbers_of_map};
+pub(super) use map::{MapEvaluator, MapEvaluators, finish, inverse, numbers as numbers_of_map};
 pub(super) use matrix_free::Free;
 pub(super) use norms::{SQUARES, Squares};
 pub(super) use numbering::Glue;
@@ -105,7 +105,7 @@ impl<'a> Patches<'a> {
         basis: &B,
         quadrature: &Q,
         map: &dyn Fn(usize) -> Option<MapBlock<'m, N, M, T>>,
-        asks: &'a Asks<'a>,
+        asks: &'a MapEvaluators<'a>,
     ) -> Option<Self>
     where
         T: Real,
@@ -121,7 +121,7 @@ impl<'a> Patches<'a> {
         basis: &B,
         quadrature: &Q,
         map: &dyn Fn(usize) -> Option<MapBlock<'m, N, M, T>>,
-        asks: &'a Asks<'a>,
+        asks: &'a MapEvaluators<'a>,
         known: Option<&Arc<Glue>>,
     ) -> Option<Self>
     where
@@ -170,7 +170,7 @@ impl<'a> Patch<'a> {
         block: &Block<'_, N, T>,
         rules: &[&dyn Quadrature<1, T>; N],
         map: Option<MapBlock<'_, N, M, T>>,
-        asks: &'a Asks<'a>,
+        asks: &'a MapEvaluators<'a>,
     ) -> Option<Self> {
         let axes: Vec<Axis> = block.axes.iter().zip(rules).map(|(axis, rule)| Axis::new(*axis, *rule)).collect::<Option<_>>()?;
         if axes.iter().any(|axis| !COMPILED.contains(&axis.active)) {

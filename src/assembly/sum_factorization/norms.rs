@@ -74,14 +74,14 @@ impl<V: bytemuck::Pod> Deviation<'_, V> {
     }
 }
 
-struct Run<'a, 'p, const N: usize> {
+struct NormSweep<'a, 'p, const N: usize> {
     grid: QuadratureGrid<'a, 'p>,
     field: Coefficients<'a>,
     law: &'a PointOperator<'a>,
     answer: &'a PointCallback<'a>,
 }
 
-impl<const N: usize> pulp::WithSimd for Run<'_, '_, N> {
+impl<const N: usize> pulp::WithSimd for NormSweep<'_, '_, N> {
     type Output = [f64; SQUARES];
     fn with_simd<S: Simd>(self, simd: S) -> [f64; SQUARES] {
         let mut total = [0.0; SQUARES];
@@ -126,9 +126,9 @@ impl Patches<'_> {
             let field = Coefficients { axes: &patch.axes, width: C, read: &read };
             let (grid, law) = (patch.grid().with_state(part, &source), &law);
             let sums = if N == 2 {
-                patch.arch.dispatch(Run::<2> { grid, field, law, answer })
+                patch.arch.dispatch(NormSweep::<2> { grid, field, law, answer })
             } else {
-                patch.arch.dispatch(Run::<3> { grid, field, law, answer })
+                patch.arch.dispatch(NormSweep::<3> { grid, field, law, answer })
             };
             total.iter_mut().zip(sums).for_each(|(total, sum)| *total += sum);
         }

@@ -114,13 +114,13 @@ impl Sums<'_> {
 /// Memory of [`Sums::write`].
 #[derive(Clone, Debug)]
 pub(super) struct RowScratch<T> {
-    pub lines: Lines,
+    pub lines: ComponentLines,
     pub row: Vec<T>,
 }
 
 impl<T> Default for RowScratch<T> {
     fn default() -> Self {
-        Self { lines: Lines::default(), row: Vec::new() }
+        Self { lines: ComponentLines::default(), row: Vec::new() }
     }
 }
 
@@ -144,7 +144,7 @@ pub(super) struct FunctionRun {
 
 /// Lines of one component of the test function, and the memory for them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Lines {
+pub(super) struct ComponentLines {
     /// One per pair of functions of the outer directions, columns ascending.
     pub runs: Vec<FunctionRun>,
     /// The mirrored and the own line of every run and component of the trial function.
@@ -157,7 +157,7 @@ pub(super) struct Lines {
     first: usize,
 }
 
-impl Lines {
+impl ComponentLines {
     /// The runs of the rows of (.., `middle`, `slow`).
     pub fn start(&mut self, sums: &Sums<'_>, to: Directions<'_>, [middle, slow]: [usize; 2]) {
         self.first = to.fast.functions * (middle + to.middle.functions * slow);

@@ -85,13 +85,13 @@ impl<S: Simd, const N: usize> Visit<S, N> for States<'_, S::f64s> {
 /// Takes the planes of the points of one element of the slowest direction, elements ascending.
 type Slab<'a> = dyn FnMut(usize, &[f64]) + Send + 'a;
 
-struct Run<'a, 'p, 's, const N: usize> {
+struct StateSweep<'a, 'p, 's, const N: usize> {
     grid: QuadratureGrid<'a, 'p>,
     field: Coefficients<'a>,
     slab: &'a mut Slab<'s>,
 }
 
-impl<const N: usize> pulp::WithSimd for Run<'_, '_, '_, N> {
+impl<const N: usize> pulp::WithSimd for StateSweep<'_, '_, '_, N> {
     type Output = ();
     fn with_simd<S: Simd>(self, simd: S) {
         if S::IS_SCALAR {
@@ -132,9 +132,9 @@ impl Patches<'_> {
             let grid = patch.grid();
             let slab = &mut |slow: usize, planes: &[f64]| all.extend(elements(patch, slow, planes, u.is_empty(), visit));
             if N == 2 {
-                patch.arch.dispatch(Run::<2> { grid, field, slab });
+                patch.arch.dispatch(StateSweep::<2> { grid, field, slab });
             } else {
-                patch.arch.dispatch(Run::<3> { grid, field, slab });
+                patch.arch.dispatch(StateSweep::<3> { grid, field, slab });
             }
         }
         all

@@ -310,7 +310,7 @@ impl Windows {
     }
 
     /// Offsets of the points of `strip` in the ring of tiles, with `tile` vectors per tile and `point` vectors per point.
-    pub fn places(&self, strip: &Strip, lanes: usize, tile: usize, point: usize) -> Vec<usize> {
+    pub fn ring_offsets(&self, strip: &Strip, lanes: usize, tile: usize, point: usize) -> Vec<usize> {
         (0..strip.points.len()).map(|q| q / lanes % self.tiles * tile + q % lanes * point).collect()
     }
 }

@@ -279,7 +279,7 @@ mod cuts {
 /// Tests for the same bits at every SIMD width: AVX2 against AVX-512 if the processor has both.
 #[cfg(target_arch = "x86_64")]
 mod bits {
-    use super::super::map::Ask;
+    use super::super::map::MapEvaluator;
     use super::super::{Free, Patches, QuadraturePoints};
     use crate::assembly::{Coefficient, Form, gauss_rules};
     use crate::basis::{BSpline, Basis, Rational, TensorProduct};
@@ -314,7 +314,7 @@ mod bits {
     /// The matrix with the lanes of `arch`.
     fn matrix<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, arch: pulp::Arch) -> Csr {
         let rules = gauss_rules(space, 0);
-        let asks = || -> Box<Ask<'_>> { unreachable!("the map is a net") };
+        let asks = || -> Box<MapEvaluator<'_>> { unreachable!("the map is a net") };
         let mut patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
         patches.patches.iter_mut().for_each(|patch| patch.arch = arch);
         let mut matrix = patches.csr(C);
@@ -341,7 +341,7 @@ mod bits {
     /// Product, diagonal, load, internal forces, squares and states with the lanes of `arch`.
     fn sums<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, arch: pulp::Arch) -> Vec<f64> {
         let rules = gauss_rules(space, 0);
-        let asks = || -> Box<Ask<'_>> { unreachable!("the map is a net") };
+        let asks = || -> Box<MapEvaluator<'_>> { unreachable!("the map is a net") };
         let patches = || {
             let mut patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
             patches.patches.iter_mut().for_each(|patch| patch.arch = arch);

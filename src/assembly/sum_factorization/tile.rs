@@ -91,7 +91,7 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
         let task = chunk * plan.pairs.len();
         let vector = plan.pairs.len() * middle.held.len() * to.sums(slots);
         let owners = [axes[1].owners(), axes[N - 1].owners()];
-        let places = windows.places(&middle, lanes, lines * task, plan.components());
+        let places = windows.ring_offsets(&middle, lanes, lines * task, plan.components());
         let shared = threads > 1;
         Self { plan, to, fast, middle, windows, shared, owners, lanes, slots, points, lines, tiles, chunk, task, places, vectors, vector }
     }
@@ -258,7 +258,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Add<'_, '_, S, N> {
         let types = if plan.components() == 1 { 1 } else { 4 };
         for (k, (pair, sums)) in plan.pairs.iter().zip(sums.chunks_exact_mut(sweep.vector / plan.pairs.len())).enumerate() {
             let start = k * sweep.chunk + vector;
-            let components = contract::places(pair.symmetric);
+            let components = contract::component_order(pair.symmetric);
             for i in window.functions.clone() {
                 let pairs = strip.pairs(middle, i);
                 if pairs.is_empty() {

@@ -57,5 +57,5 @@ fn held(stiffness: &dyn Operator<f64>) -> Option<Csr<f64>> {
     for (i, &d) in diagonal.iter().enumerate() {
         springs.push(i, i, if d > 0.0 { d } else { largest });
     }
-    Some(sum(1.0, matrix, WEAK, &springs.to_csr()).with_dof_coordinates(stiffness.places().to_vec()))
+    Some(sum(1.0, matrix, WEAK, &springs.to_csr()).with_dof_coordinates(stiffness.dof_coordinates().to_vec()))
 }

@@ -1,6 +1,6 @@
 //! Facets that are joined already: sides may overlap, so that names of sides do not identify them.
 
-use super::couple::Couple;
+use super::paired_sides::PairedSides;
 use crate::geometry::cell;
 use crate::problem::model::BodySide;
 use std::collections::{BTreeMap, BTreeSet};
@@ -75,7 +75,7 @@ impl JoinedSides {
     }
 
     /// Joins the sides of a couple.
-    pub fn join<const S: usize, const N: usize>(&mut self, couple: &Couple<S, N>) {
+    pub fn join<const S: usize, const N: usize>(&mut self, couple: &PairedSides<S, N>) {
         self.contact(std::slice::from_ref(&couple.slave), &couple.masters);
         couple.masters.iter().for_each(|master| self.tied.join(couple.slave.patch, master.patch));
     }

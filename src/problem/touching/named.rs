@@ -1,8 +1,8 @@
 //! Couples whose sides are named: whether their facets explain the distance of the sides.
 
-use super::couple::Couple;
 use super::finding::Finding;
 use super::lengths::{floor, sag, widest};
+use super::paired_sides::PairedSides;
 use super::search::Search;
 use crate::geometry::Sag;
 use crate::problem::model::BodySide;
@@ -16,7 +16,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     /// Ties a slave side to its masters, which are named; [`Finding::NotExplained`] if faceting does not explain their distance.
     ///
     /// `tolerance`: the largest admissible distance \[length\]; with it no explanation is asked for.
-    pub fn tie(&mut self, slave: Arc<BodySide<S, N>>, masters: Vec<Arc<BodySide<S, N>>>, tolerance: Option<f64>) -> Couple<S, N> {
+    pub fn tie(&mut self, slave: Arc<BodySide<S, N>>, masters: Vec<Arc<BodySide<S, N>>>, tolerance: Option<f64>) -> PairedSides<S, N> {
         self.compiled.tie(self, slave, masters, tolerance)
     }
 
@@ -25,8 +25,8 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
         slave: Arc<BodySide<S, N>>,
         masters: Vec<Arc<BodySide<S, N>>>,
         tolerance: Option<f64>,
-    ) -> Couple<S, N> {
-        let mut couple = Couple { slave, masters, tolerance, is_named: true, explained: None };
+    ) -> PairedSides<S, N> {
+        let mut couple = PairedSides { slave, masters, tolerance, is_named: true, explained: None };
         if tolerance.is_none() {
             match self.explained(&couple) {
                 Ok(within) => couple.explained = within,
@@ -46,7 +46,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     ///
     /// # Errors
     /// The distance that faceting does not explain.
-    fn explained(&self, couple: &Couple<S, N>) -> Result<Option<f64>, Clearance> {
+    fn explained(&self, couple: &PairedSides<S, N>) -> Result<Option<f64>, Clearance> {
         let all: Vec<Arc<BodySide<S, N>>> = std::iter::once(&couple.slave).chain(&couple.masters).cloned().collect();
         if all.iter().all(|side| self.patches[side.patch].exact_map) {
             // exact sides may be 1e-8 of their size apart; more is reported as an error when they are tied

@@ -1,10 +1,10 @@
 //! Pairs of touching sides among bodies.
 
-use super::couple::Couple;
 use super::finding::{Finding, TouchError};
 use super::joined_sides::disjoint;
 use super::lengths::{floor, sag, thickness, widest};
 use super::oriented::oriented;
+use super::paired_sides::PairedSides;
 use super::search::Search;
 use super::touching_sides::{Touching, touching_sides};
 use crate::geometry::Sag;
@@ -18,7 +18,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     ///
     /// # Errors
     /// [`TouchError::Side`], [`TouchError::Beyond`].
-    pub fn glue_touching(&mut self, bodies: &[usize], parted: &[BTreeSet<usize>]) -> Result<Vec<Couple<S, N>>, TouchError<S, N>> {
+    pub fn glue_touching(&mut self, bodies: &[usize], parted: &[BTreeSet<usize>]) -> Result<Vec<PairedSides<S, N>>, TouchError<S, N>> {
         self.compiled.touching(self, bodies, None, &|a, b| parted.iter().any(|set| set.contains(&a) && set.contains(&b)))
     }
 
@@ -31,7 +31,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
     ///
     /// # Errors
     /// [`TouchError`].
-    pub fn tie_touching(&mut self, bodies: &[usize], tolerance: Option<f64>) -> Result<Vec<Couple<S, N>>, TouchError<S, N>> {
+    pub fn tie_touching(&mut self, bodies: &[usize], tolerance: Option<f64>) -> Result<Vec<PairedSides<S, N>>, TouchError<S, N>> {
         let found = self.compiled.touching(self, bodies, tolerance, &|_, _| false)?;
         if found.is_empty() {
             let nearest = self.nearest(bodies);
@@ -48,7 +48,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
         bodies: &[usize],
         tolerance: Option<f64>,
         apart: &dyn Fn(usize, usize) -> bool,
-    ) -> Result<Vec<Couple<S, N>>, TouchError<S, N>> {
+    ) -> Result<Vec<PairedSides<S, N>>, TouchError<S, N>> {
         let mut all = Vec::new();
         for &patch in bodies {
             for side in self.patches[patch].body.sides() {
@@ -80,7 +80,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
         let explained = Some(widest(&sags, floor));
         let couple = |(slave, masters): (usize, Vec<usize>)| {
             let masters = masters.into_iter().map(|m| all[m].clone()).collect();
-            Couple { slave: all[slave].clone(), masters, tolerance, is_named: false, explained }
+            PairedSides { slave: all[slave].clone(), masters, tolerance, is_named: false, explained }
         };
         let couples: Vec<_> = oriented(&all, &shares).into_iter().map(couple).collect();
         couples.iter().for_each(|couple| self.joined.join(couple));

@@ -1,9 +1,9 @@
 //! Searches for sides that touch, with what is joined and what was found.
 
-use super::couple::Couple;
 use super::finding::Finding;
 use super::joined_sides::{JoinedSides, SidePair, key, side_pair};
 use super::lengths::sag;
+use super::paired_sides::PairedSides;
 use crate::geometry::Sag;
 use crate::problem::compiled::Compiled;
 use crate::problem::contents::BodyView;
@@ -69,14 +69,14 @@ impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
     }
 
     /// Joins two sides whose functions are shared.
-    pub fn glue(&mut self, slave: Arc<BodySide<S, N>>, master: Arc<BodySide<S, N>>) -> Couple<S, N> {
-        let couple = Couple { slave, masters: vec![master], tolerance: None, is_named: false, explained: None };
+    pub fn glue(&mut self, slave: Arc<BodySide<S, N>>, master: Arc<BodySide<S, N>>) -> PairedSides<S, N> {
+        let couple = PairedSides { slave, masters: vec![master], tolerance: None, is_named: false, explained: None };
         self.joined.join(&couple);
         couple
     }
 
     /// Joins the sides of a couple that was found or named before.
-    pub fn join(&mut self, couple: &Couple<S, N>) {
+    pub fn join(&mut self, couple: &PairedSides<S, N>) {
         self.joined.join(couple);
     }
 

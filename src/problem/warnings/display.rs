@@ -2,7 +2,7 @@
 
 use super::warning::{Subject, SubjectKind, Warning};
 use crate::problem::rigid::short;
-use crate::problem::{FacetsApart, Inexact, Integral};
+use crate::problem::{Beyond, FacetsApart, Inexact, Integral};
 use std::fmt::{Display, Formatter, Result};
 
 impl Display for Subject {
@@ -35,20 +35,12 @@ impl Display for Warning {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
             Self::CornerValues { sides: [a, b], component, values, x, t, .. } => {
-                let ([u, v], at) = (values.map(digits), place(x));
-                write!(
-                    f,
-                    "component {component} is {u} on {a} and {v} on {b}, which are tied, in their common corner {at} at t = {}",
-                    digits(*t)
-                )
+                let ([u, v], at, t) = (values.map(digits), place(x), digits(*t));
+                write!(f, "component {component} is {u} on {a} and {v} on {b}, which are tied, in their common corner {at} at t = {t}")
             }
             Self::Overlap { of, slave, depth, x, .. } => {
-                write!(
-                    f,
-                    "{of}: {slave} lies {} deep in its opponent at {}, more than half of a body's thickness",
-                    digits(*depth),
-                    place(x)
-                )
+                let (depth, at) = (digits(*depth), place(x));
+                write!(f, "{of}: {slave} lies {depth} deep in its opponent at {at}, more than half of a body's thickness")
             }
             Self::TooFewFunctions { of, slave, functions, body, motions, .. } => {
                 write!(f, "{of}: {functions} functions on {slave} do not hold {body}, which can still move: {}", motions.join(", "))
@@ -94,11 +86,8 @@ impl Display for Warning {
                 write!(f, "{of} loses the moment {moment}, {}: its sides are up to {apart} apart", percent(*share))
             }
             Self::LostParts { of, elements, x } => {
-                write!(
-                    f,
-                    "pieces of integration of {of} lose a part of {elements} elements that face the opponent, the first at {}",
-                    place(x)
-                )
+                let at = place(x);
+                write!(f, "pieces of integration of {of} lose a part of {elements} elements that face the opponent, the first at {at}")
             }
             Self::SoftPenalty { of, apart, size, moved } => {
                 let word = if of.kind == SubjectKind::Contact { "deep in each other" } else { "apart in the mean" };
@@ -114,14 +103,16 @@ impl Display for Warning {
                 write!(f, "pressures of {of} at points have waves of {wave}, of {pressure}: its facets leave their surface by {height}")
             }
             Self::Kinematics { of, strain, rotation, allowed } => {
-                write!(f, "{of} deforms too far for small kinematics")?;
-                let beyond = [(strain, "strains"), (rotation, "rotations")].into_iter().filter_map(|(b, word)| b.map(|b| (b, word)));
-                beyond
-                    .into_iter()
-                    .try_for_each(|(b, word)| write!(f, "; {word} up to {}, beyond {allowed} in {}", digits(b.largest), percent(b.share)))
+                kinematics(of, &[(*strain, "strains"), (*rotation, "rotations")], *allowed, f)
             }
         }
     }
+}
+
+fn kinematics(of: &Subject, beyond: &[(Option<Beyond>, &str)], allowed: f64, f: &mut Formatter<'_>) -> Result {
+    write!(f, "{of} deforms too far for small kinematics")?;
+    let found = beyond.iter().filter_map(|(b, word)| Some((b.as_ref()?, word)));
+    found.into_iter().try_for_each(|(b, word)| write!(f, "; {word} up to {}, beyond {allowed} in {}", digits(b.largest), percent(b.share)))
 }
 
 fn inexact(found: &Inexact, f: &mut Formatter<'_>) -> Result {

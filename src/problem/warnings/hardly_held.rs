@@ -15,7 +15,7 @@ use crate::problem::model::Model;
 use crate::problem::rigid::{RigidModes, RigidRow};
 use crate::problem::rigid_bodies::{RigidBodies, unit};
 use crate::problem::rigid_rows::closed_forms;
-use crate::problem::supports::{Ties, held_by};
+use crate::problem::supports::{Ties, rigid_forms};
 use crate::quadrature::Quadrature;
 use crate::space;
 use nalgebra::{DMatrix, DVector};
@@ -29,7 +29,7 @@ pub(super) fn hardly_held<const S: usize, const N: usize>(model: &Model<S, N>, t
         return Vec::new();
     }
     let bodies = RigidBodies::of(model);
-    let (modes, mut forms) = held_by(model, &bodies, None, Ties::Functions);
+    let (modes, mut forms) = rigid_forms(model, &bodies, None, Ties::Functions);
     forms.extend(closed_forms(model, &modes, &bodies));
     let left = modes.null(&forms);
     if left.ncols() == 0 {

@@ -5,7 +5,7 @@ use crate::problem::model::Model;
 use crate::problem::rigid::{RigidForm, RigidModes};
 use crate::problem::rigid_bodies::RigidBodies;
 use crate::problem::rigid_rows::closed_forms;
-use crate::problem::supports::{Ties, contact_points, held_by, tie_points};
+use crate::problem::supports::{Ties, contact_points, rigid_forms, tie_points};
 use nalgebra::DMatrix;
 
 /// Parts whose relative motion is below this fraction of the largest are not named.
@@ -29,7 +29,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             return Vec::new();
         }
         let bodies = RigidBodies::of(self);
-        let (modes, mut forms) = held_by(self, &bodies, Some(t), Ties::Functions);
+        let (modes, mut forms) = rigid_forms(self, &bodies, Some(t), Ties::Functions);
         forms.extend(closed_forms(self, &modes, &bodies));
         let left = modes.null(&forms);
         if left.ncols() == 0 {

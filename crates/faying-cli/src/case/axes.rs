@@ -5,7 +5,7 @@ use super::key::{Axis, Key, Scene, Special};
 use super::names::Names;
 use super::rows::ROOT;
 use super::tree::{Node, Table, Value, parse_value};
-use crate::place::{Origin, Place};
+use crate::place::{Origin, SourceSpan};
 
 /// Changes of a case between its `--set` options and its reading; the default changes nothing.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -30,7 +30,7 @@ pub struct Changes {
     pub quantities: Vec<(String, String)>,
 }
 
-const AT: Place = Place { origin: Origin::Option, ..Place::NONE };
+const AT: SourceSpan = SourceSpan { origin: Origin::Option, ..SourceSpan::NONE };
 
 impl Changes {
     /// Axes with their values, for all blocks or for the patch of a name.

@@ -10,7 +10,7 @@ use crate::place::Located;
 #[derive(Debug)]
 pub(super) struct Read {
     pub boundary: Boundary,
-    pub all_outer: Option<crate::place::Place>,
+    pub all_outer: Option<crate::place::SourceSpan>,
 }
 
 impl Reader {

@@ -6,12 +6,12 @@ use super::types::*;
 use super::{SCHEMA, rows};
 use crate::errors::{CaseText, Diagnostics};
 use crate::formula::Constants;
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 use faying::basis::Cell;
 
 impl Reader {
     pub(super) fn case(&mut self, root: Table) -> Case {
-        let root = Node::new(Value::Table(root), Place::NONE);
+        let root = Node::new(Value::Table(root), SourceSpan::NONE);
         let mut root = self.block(&root, "", rows::ROOT).expect("the document is a table");
         let schema = self.schema(&mut root);
         let mut case = Case::empty(schema);
@@ -131,7 +131,7 @@ impl Case {
     // placeholder for blocks that could not be read; never returned
     fn empty(schema: Located<usize>) -> Self {
         fn none<T>(value: T) -> Located<T> {
-            Located::new(value, Place::NONE)
+            Located::new(value, SourceSpan::NONE)
         }
         Self {
             source: CaseText::default(),

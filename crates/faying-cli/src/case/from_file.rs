@@ -7,7 +7,7 @@ use super::reader::{Block, Reader};
 use super::tree::{Node, Value};
 use super::types::*;
 use crate::errors::Diagnostic;
-use crate::place::{Located, Origin, Place};
+use crate::place::{Located, Origin, SourceSpan};
 use faying::basis::Cell;
 use faying_files::{Contents, FileError, MeshFile, SplineFile, SplinePatch};
 use std::sync::Arc;
@@ -216,7 +216,7 @@ impl Reader {
             self.push(d.backend.at, Diagnostic::warning("E015", message));
         }
         if d.backend.value != "fe" {
-            let at = Place { origin: Origin::Default, ..b.at };
+            let at = SourceSpan { origin: Origin::Default, ..b.at };
             b.table.set("backend", at, Node::new(Value::Text("fe".to_owned()), at));
             d.backend = Located::new("fe".to_owned(), d.backend.at);
         }

@@ -3,7 +3,7 @@
 use super::key::{Absent, Key, KeyKind};
 use super::tree::{Node, Value, parse_value};
 use crate::formula::{Formula, Point};
-use crate::place::{Located, Origin, Place};
+use crate::place::{Located, Origin, SourceSpan};
 use faying::linalg::Vector;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -22,17 +22,17 @@ pub(super) enum GivenValue {
 /// Every getter panics if the entry has no key of this name and type.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Given {
-    pub(super) values: Vec<(&'static str, GivenValue, Place)>,
+    pub(super) values: Vec<(&'static str, GivenValue, SourceSpan)>,
 }
 
 impl Given {
     /// The defaults of `keys`; those without default are left out.
     pub(crate) fn of_defaults(keys: &[Key]) -> Self {
-        Self { values: keys.iter().filter_map(|key| Some((key.name, default_of(key)?, Place::default()))).collect() }
+        Self { values: keys.iter().filter_map(|key| Some((key.name, default_of(key)?, SourceSpan::default()))).collect() }
     }
 
     /// Place of a key's value in the case; `None` if the entry has no such key.
-    pub fn at(&self, key: &str) -> Option<Place> {
+    pub fn at(&self, key: &str) -> Option<SourceSpan> {
         self.values.iter().find(|(name, ..)| *name == key).map(|(_, _, at)| *at)
     }
 
@@ -124,7 +124,7 @@ impl Given {
 /// If the text of the default is no value of the key's type.
 pub(super) fn default_of(key: &Key) -> Option<GivenValue> {
     let Absent::Is(text) = key.absent else { return None };
-    let node = parse_value(text, Place::default()).ok();
+    let node = parse_value(text, SourceSpan::default()).ok();
     let value = node.and_then(|node| typed(&key.kind, &node));
     Some(value.unwrap_or_else(|| panic!("the default {text} of `{}` is no value of its type", key.name)))
 }

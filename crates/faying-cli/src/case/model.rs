@@ -5,7 +5,7 @@ use super::rows;
 use super::tree::{Node, Table, Value};
 use super::types::*;
 use crate::formula::{ConstantText, Constants, Formula, is_free_name};
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 
 impl Reader {
     /// `[let]`: constants of every formula.
@@ -62,7 +62,7 @@ impl Reader {
         let n = if poisson { 1 } else { dimension.value };
         self.components = n;
         let assumption = if dimension.value == 3 {
-            Located::new(Assumption::Solid, Place::NONE)
+            Located::new(Assumption::Solid, SourceSpan::NONE)
         } else {
             self.word(b, "assumption", &[Assumption::PlaneStrain, Assumption::PlaneStress, Assumption::Axisymmetric])
         };
@@ -214,8 +214,8 @@ impl Reader {
         let mut materials = self.list(root, "material", &known, |r, b, k| r.material(b, k, model));
         if materials.is_empty() && model.physics.value == Physics::Poisson && !root.has("material") {
             let mut table = Table::default();
-            table.set("name", Place::NONE, Node::new(Value::Text("default".to_owned()), Place::NONE));
-            root.default("material", Value::List(vec![Node::new(Value::Table(table), Place::NONE)]));
+            table.set("name", SourceSpan::NONE, Node::new(Value::Text("default".to_owned()), SourceSpan::NONE));
+            root.default("material", Value::List(vec![Node::new(Value::Table(table), SourceSpan::NONE)]));
             materials = self.list(root, "material", rows::MATERIAL, |r, b, k| r.material(b, k, model));
         }
         self.unique("material", &materials.iter().map(|m| m.name.clone()).collect::<Vec<_>>());
@@ -318,7 +318,7 @@ impl Reader {
 
     /// `[steps]`.
     pub fn steps(&mut self, b: Option<&mut Block>) -> Located<Vec<f64>> {
-        let Some(b) = b else { return Located::new(vec![1.0], Place::NONE) };
+        let Some(b) = b else { return Located::new(vec![1.0], SourceSpan::NONE) };
         let at = b.at;
         match (b.node("t").cloned(), b.node("count").cloned()) {
             (Some(_), Some(count)) => self.fault("E015", count.at, "`count` does not stand beside `t`", "leave one of them out"),

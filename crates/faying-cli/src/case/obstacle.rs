@@ -40,7 +40,7 @@ impl Reader {
         Some((Obstacle { shape: Located::new(shape, at), translate, force }, b.finish()))
     }
 
-    fn obstacle_shape(&mut self, b: &mut Block, kind: &str, at: crate::place::Place, plane: bool) -> Option<ObstacleShape> {
+    fn obstacle_shape(&mut self, b: &mut Block, kind: &str, at: crate::place::SourceSpan, plane: bool) -> Option<ObstacleShape> {
         let axis = |r: &mut Self, b: &Block| {
             let v = r.required_vector(b, "axis");
             r.unit(v, "axis")

@@ -11,7 +11,7 @@ use super::files::{FileRead, Opened};
 use super::reader::Reader;
 use crate::codes;
 use crate::errors::{Diagnostic, nearest};
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 use crate::reference::{self, StoredRun};
 use faying_files::{Contents, FileError, Limits};
 
@@ -157,7 +157,7 @@ impl Reader {
     }
 
     /// Reports an error in a file, at the place of the case that names it.
-    pub fn file_fault(&mut self, file: &str, at: Place, error: &FileError) {
+    pub fn file_fault(&mut self, file: &str, at: SourceSpan, error: &FileError) {
         let help = match error {
             FileError::Memory { .. } => "raise --max-memory, or give a smaller file",
             FileError::Unsupported { .. } => "read are: G+Smo XML, MFEM meshes, Gmsh 2.2 and 4.1; `faying inspect` shows what a file holds",

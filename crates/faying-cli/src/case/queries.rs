@@ -3,7 +3,7 @@
 use super::sides;
 use super::types::{Case, SideRef};
 use crate::errors::Diagnostic;
-use crate::place::Place;
+use crate::place::SourceSpan;
 use std::ops::Range;
 
 impl Case {
@@ -19,7 +19,7 @@ impl Case {
 
     /// Whether the case has `[steps]`; without it there is one step at t = 1.
     pub fn has_steps(&self) -> bool {
-        self.steps.at != Place::NONE
+        self.steps.at != SourceSpan::NONE
     }
 
     /// The position of a patch by its name.
@@ -52,13 +52,13 @@ impl Case {
     }
 
     /// The patches of every file whose touching sides are glued, with the place of their block.
-    pub fn glued_files(&self) -> Vec<(Range<usize>, Place)> {
+    pub fn glued_files(&self) -> Vec<(Range<usize>, SourceSpan)> {
         let glued = self.families.iter().filter(|f| f.patches.len() > 1 && self.patches[f.patches.start].glue.value);
         glued.map(|f| (f.patches.clone(), self.patches[f.patches.start].geometry.at)).collect()
     }
 
     /// A diagnostic at a place of this case.
-    pub fn diagnostic(&self, diagnostic: Diagnostic, at: Place) -> Diagnostic {
+    pub fn diagnostic(&self, diagnostic: Diagnostic, at: SourceSpan) -> Diagnostic {
         diagnostic.at(&self.source, at)
     }
 }

@@ -5,7 +5,7 @@ use super::types::Case;
 use super::{Changes, Names, axes, set, tree};
 use crate::errors::{CaseText, Diagnostic, Diagnostics, nearest};
 use crate::formula::Constants;
-use crate::place::Lines;
+use crate::place::LineStarts;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
@@ -48,7 +48,7 @@ impl Case {
         let text = String::from_utf8(bytes).map_err(|e| {
             let at = e.utf8_error().valid_up_to();
             let start = String::from_utf8_lossy(&e.as_bytes()[..at]).into_owned();
-            let source = CaseText { name: name.clone(), lines: Lines::new(&start), sets: Vec::new() };
+            let source = CaseText { name: name.clone(), lines: LineStarts::new(&start), sets: Vec::new() };
             let place = source.lines.place(start.len()..start.len());
             let message = format!("the file is not valid TOML: byte {at} is not UTF-8");
             Diagnostics::from(Diagnostic::error("E005", message).with_help("save the file as UTF-8 text").at(&source, place))
@@ -64,7 +64,7 @@ impl Case {
     pub fn parse(name: &str, text: &str, options: &ReadOptions) -> Result<Self, Diagnostics> {
         // editors of Windows put a mark in front
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-        let source = CaseText { name: name.to_owned(), lines: Lines::new(text), sets: options.sets.clone() };
+        let source = CaseText { name: name.to_owned(), lines: LineStarts::new(text), sets: options.sets.clone() };
         let mut root = tree::parse(&source)?;
         let mut reader = Reader {
             source,

@@ -9,9 +9,9 @@ use super::sides::{show, sides_of};
 use super::types::*;
 use crate::errors::Diagnostic;
 use crate::formula::Formula;
-use crate::place::{Located, Origin, Place};
+use crate::place::{Located, Origin, SourceSpan};
 
-fn line(at: Place) -> String {
+fn line(at: SourceSpan) -> String {
     at.in_file().map_or("in an option".to_owned(), |(l, _)| format!("on line {l}"))
 }
 
@@ -33,7 +33,7 @@ fn rest(patches: &mut [Patch], used: &HashSet<SideRef>, dimension: usize) -> Vec
 impl Reader {
     /// Checks that a side is slave once, and never its own master, and that two sides are coupled once, in one direction (E026).
     pub fn slaves(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) {
-        let mut first: BTreeMap<(usize, &str), Place> = BTreeMap::new();
+        let mut first: BTreeMap<(usize, &str), SourceSpan> = BTreeMap::new();
         let none: &[Located<SideRef>] = &[];
         let ties = interfaces.iter().map(|t| ("interface", &t.name.value, &t.slave[..], &t.master[..]));
         let all: Vec<_> = ties
@@ -122,7 +122,7 @@ impl Reader {
             }
         }
         used.extend(joints.iter().flat_map(|j| j.sides.iter().cloned()));
-        let mut seen: Option<Place> = None;
+        let mut seen: Option<SourceSpan> = None;
         let mut out = Vec::with_capacity(read.len());
         for r in read {
             let mut boundary = r.boundary;
@@ -147,9 +147,9 @@ impl Reader {
     /// Checks that each component of a side is prescribed once, or loaded (E052).
     pub fn conditions(&mut self, boundaries: &[Boundary], patches: &[Patch], n: usize) {
         // per side and component: prescribed first, and the first load
-        let mut prescribed: BTreeMap<(usize, &str, usize), Place> = BTreeMap::new();
-        let mut loaded: BTreeMap<(usize, &str, usize), Place> = BTreeMap::new();
-        let clash = |r: &mut Self, s: &SideRef, k: usize, at: Place, before: Place, what: [&str; 2]| {
+        let mut prescribed: BTreeMap<(usize, &str, usize), SourceSpan> = BTreeMap::new();
+        let mut loaded: BTreeMap<(usize, &str, usize), SourceSpan> = BTreeMap::new();
+        let clash = |r: &mut Self, s: &SideRef, k: usize, at: SourceSpan, before: SourceSpan, what: [&str; 2]| {
             let message = format!(
                 "`{}` has two conditions for component {}: {} {}, {} {}",
                 show(s, patches),
@@ -194,7 +194,7 @@ impl Reader {
                     }
                 }
                 // pressure acts along the normal: a conflict where nothing is free
-                let all: Option<Vec<Place>> = (0..n).map(|k| prescribed.get(&(s.patch, s.side.as_str(), k)).copied()).collect();
+                let all: Option<Vec<SourceSpan>> = (0..n).map(|k| prescribed.get(&(s.patch, s.side.as_str(), k)).copied()).collect();
                 if let (Some(p), Some(all)) = (&b.pressure, all) {
                     clash(self, s, n - 1, p.at, all[n - 1], ["prescribed", "loaded"]);
                 }

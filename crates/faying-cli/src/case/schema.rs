@@ -4,7 +4,7 @@ use super::key::{Absent, Inside, Key, KeyKind, Plain, Special};
 use super::names::Names;
 use super::rows::{ROOT, inside};
 use super::tree::parse_value;
-use crate::place::Place;
+use crate::place::SourceSpan;
 use serde_json::{Map, Value, json};
 
 /// The schema of a case file, as the JSON that its TOML stands for; `names` are those of a registry.
@@ -69,7 +69,7 @@ fn described(key: &Key, owners: &[String], names: &Names) -> Value {
     if let Absent::Is(default) = key.absent
         && !matches!(key.special(), Some(Special::Block(_)))
     {
-        let node = parse_value(default, Place::NONE).unwrap_or_else(|e| panic!("the default {default} of `{}`: {e}", key.name));
+        let node = parse_value(default, SourceSpan::NONE).unwrap_or_else(|e| panic!("the default {default} of `{}`: {e}", key.name));
         value["default"] = node.to_json();
     }
     value

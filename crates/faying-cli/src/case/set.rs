@@ -7,14 +7,14 @@ use super::key::Special;
 use super::rows;
 use super::tree::{Node, Table, Value, parse_value};
 use crate::errors::{Diagnostic, nearest};
-use crate::place::{Origin, Place};
+use crate::place::{Origin, SourceSpan};
 
 /// Applies one option.
 ///
 /// # Errors
 /// A diagnostic that points to the option.
 pub(super) fn apply(root: &mut Table, option: &str, index: usize) -> Result<(), Box<Diagnostic>> {
-    let at = Place { origin: Origin::Set(index), ..Place::NONE };
+    let at = SourceSpan { origin: Origin::Set(index), ..SourceSpan::NONE };
     let fault = |code, message: String| Box::new(Diagnostic::error(code, message).in_file(format!("--set {option}")));
     let Some((path, text)) = option.split_once('=') else {
         return Err(fault("E014", "`--set` needs KEY=VALUE".to_owned()).help("write for example --set patch.lower.degree=3"));
@@ -50,7 +50,7 @@ fn synonyms(key: &str) -> Vec<&'static str> {
 
 type Fault = (&'static str, String, Option<String>);
 
-fn put(table: &mut Table, path: &[&str], value: Node, at: Place) -> Result<(), Fault> {
+fn put(table: &mut Table, path: &[&str], value: Node, at: SourceSpan) -> Result<(), Fault> {
     let key = path[0];
     if path.len() == 1 {
         let same = synonyms(key);
@@ -73,7 +73,7 @@ fn put(table: &mut Table, path: &[&str], value: Node, at: Place) -> Result<(), F
     }
 }
 
-fn into(node: &mut Node, key: &str, path: &[&str], value: Node, at: Place) -> Result<(), Fault> {
+fn into(node: &mut Node, key: &str, path: &[&str], value: Node, at: SourceSpan) -> Result<(), Fault> {
     let found = node.describe();
     match &mut node.value {
         Value::Table(t) => put(t, path, value, at),

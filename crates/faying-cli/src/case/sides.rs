@@ -57,7 +57,7 @@ fn rim_of(side: &str, dimension: usize) -> Option<Vec<&'static str>> {
 }
 
 /// Patch or patches that the name of a side begins with.
-enum Named<'a> {
+enum NameOwner<'a> {
     /// A patch, and the rest of the text.
     Patch(usize, &'a str),
     /// All patches of a file, and the rest of the text.
@@ -65,7 +65,7 @@ enum Named<'a> {
 }
 
 // the longest name that the text begins with, followed by a dot or by nothing
-fn owner<'a>(text: &'a str, patches: &[Patch], families: &[Family]) -> Option<Named<'a>> {
+fn owner<'a>(text: &'a str, patches: &[Patch], families: &[Family]) -> Option<NameOwner<'a>> {
     let rest = |name: &str| -> Option<&'a str> {
         let after = match text.strip_prefix('"') {
             Some(inner) => inner.strip_prefix(name)?.strip_prefix('"')?,
@@ -73,9 +73,9 @@ fn owner<'a>(text: &'a str, patches: &[Patch], families: &[Family]) -> Option<Na
         };
         if after.is_empty() { Some("") } else { after.strip_prefix('.') }
     };
-    let of_patches = patches.iter().enumerate().filter_map(|(k, p)| Some((p.name.len(), Named::Patch(k, rest(&p.name.value)?))));
+    let of_patches = patches.iter().enumerate().filter_map(|(k, p)| Some((p.name.len(), NameOwner::Patch(k, rest(&p.name.value)?))));
     let of_families = families.iter().enumerate().filter(|(_, f)| f.patches.len() != 1);
-    let of_families = of_families.filter_map(|(k, f)| Some((f.name.len(), Named::Family(k, rest(&f.name)?))));
+    let of_families = of_families.filter_map(|(k, f)| Some((f.name.len(), NameOwner::Family(k, rest(&f.name)?))));
     of_patches.chain(of_families).max_by_key(|(length, _)| *length).map(|(_, named)| named)
 }
 
@@ -91,8 +91,8 @@ fn labelled(family: &Family, side: &str) -> Option<Vec<SideRef>> {
 /// The sides that a text names; `None` if it names no side.
 pub(super) fn find(text: &str, patches: &[Patch], families: &[Family], dimension: usize) -> Option<Vec<SideRef>> {
     match owner(text, patches, families)? {
-        Named::Family(k, rest) => labelled(&families[k], unquoted(rest)),
-        Named::Patch(k, rest) => of_patch(k, rest, patches, families, dimension).or_else(|| {
+        NameOwner::Family(k, rest) => labelled(&families[k], unquoted(rest)),
+        NameOwner::Patch(k, rest) => of_patch(k, rest, patches, families, dimension).or_else(|| {
             // NAME.0 may be a label of the file, too
             let (family, label) = text.rsplit_once('.')?;
             labelled(families.iter().find(|f| f.name == family)?, label).filter(|_| rest.is_empty())
@@ -168,7 +168,7 @@ impl Reader {
         let shown: String = text.chars().take(60).collect();
         match owner(text, patches, &self.families) {
             None => self.no_patch(node, text, patches),
-            Some(Named::Family(k, rest)) => {
+            Some(NameOwner::Family(k, rest)) => {
                 let family = &self.families[k];
                 let labels = family.labels.iter().map(|l| quoted(&l.name)).collect::<Vec<_>>().join(", ");
                 let (name, n) = (family.name.clone(), family.patches.len());
@@ -182,7 +182,7 @@ impl Reader {
                 let message = format!("there is no side `{shown}`; {name:?} is a file of {n} patches, {named}");
                 self.fault("E021", node.at, message, format!("write {name}.0.{side} for a side of the first patch"));
             }
-            Some(Named::Patch(k, rest)) => match edge(rest, &patches[k], dimension) {
+            Some(NameOwner::Patch(k, rest)) => match edge(rest, &patches[k], dimension) {
                 Some(side) if what == "on" => return vec![Located::new(SideRef { patch: k, side }, node.at)],
                 Some(_) => {
                     let help =

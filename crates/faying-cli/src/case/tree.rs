@@ -4,13 +4,13 @@ use toml::de::{DeTable, DeValue};
 
 use super::key::Key;
 use crate::errors::{CaseText, Diagnostic, Diagnostics};
-use crate::place::{Lines, Place};
+use crate::place::{LineStarts, SourceSpan};
 
 /// A value of the file with its place; equal to another one of the same value.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
     pub value: Value,
-    pub at: Place,
+    pub at: SourceSpan,
     /// Whether the text is in single quote marks without escapes, so that positions in it are columns.
     pub literal: bool,
 }
@@ -37,7 +37,7 @@ pub(super) struct Table {
 #[derive(Clone, Debug)]
 pub(super) struct Entry {
     pub key: String,
-    pub key_at: Place,
+    pub key_at: SourceSpan,
     pub node: Node,
 }
 
@@ -54,12 +54,12 @@ impl PartialEq for Entry {
 }
 
 impl Node {
-    pub fn new(value: Value, at: Place) -> Self {
+    pub fn new(value: Value, at: SourceSpan) -> Self {
         Self { value, at, literal: false }
     }
 
     /// The place of a part of the text of this value, or of the whole value where columns are unknown.
-    pub fn inside(&self, offset: usize, length: usize) -> Place {
+    pub fn inside(&self, offset: usize, length: usize) -> SourceSpan {
         if self.literal && self.at.in_file().is_some() { self.at.inside(offset + 1, length) } else { self.at }
     }
 
@@ -105,7 +105,7 @@ impl Table {
     }
 
     /// Adds or replaces an entry.
-    pub fn set(&mut self, key: &str, key_at: Place, node: Node) {
+    pub fn set(&mut self, key: &str, key_at: SourceSpan, node: Node) {
         match self.get_mut(key) {
             Some(entry) => *entry = Entry { key: key.to_owned(), key_at, node },
             None => self.entries.push(Entry { key: key.to_owned(), key_at, node }),
@@ -188,7 +188,7 @@ pub(super) fn parse(source: &CaseText) -> Result<Table, Diagnostics> {
         let mut out = Diagnostics::new();
         let mut last = 0;
         for e in &errors {
-            let place = e.span().map_or(Place::NONE, |s| source.lines.place(s));
+            let place = e.span().map_or(SourceSpan::NONE, |s| source.lines.place(s));
             // further errors on the same line are usually consequences of the first
             if place.line != 0 && place.line == last || out.items.len() == MOST {
                 continue;
@@ -206,16 +206,16 @@ pub(super) fn parse(source: &CaseText) -> Result<Table, Diagnostics> {
 }
 
 /// Parses one value; used for `--set`.
-pub(super) fn parse_value(text: &str, at: Place) -> Result<Node, String> {
+pub(super) fn parse_value(text: &str, at: SourceSpan) -> Result<Node, String> {
     let value = DeValue::parse(text).map_err(|e| first_line(e.message()).to_owned())?;
-    Ok(node(value.get_ref(), value.span(), &Lines::new(text), Some(at)))
+    Ok(node(value.get_ref(), value.span(), &LineStarts::new(text), Some(at)))
 }
 
 fn first_line(text: &str) -> &str {
     text.lines().next().unwrap_or("")
 }
 
-fn table(t: &DeTable<'_>, lines: &Lines, fixed: Option<Place>) -> Table {
+fn table(t: &DeTable<'_>, lines: &LineStarts, fixed: Option<SourceSpan>) -> Table {
     let entries = t
         .iter()
         .map(|(k, v)| Entry {
@@ -228,7 +228,7 @@ fn table(t: &DeTable<'_>, lines: &Lines, fixed: Option<Place>) -> Table {
 }
 
 // `fixed` is the place of everything in a `--set` option
-fn node(v: &DeValue<'_>, span: std::ops::Range<usize>, lines: &Lines, fixed: Option<Place>) -> Node {
+fn node(v: &DeValue<'_>, span: std::ops::Range<usize>, lines: &LineStarts, fixed: Option<SourceSpan>) -> Node {
     let at = fixed.unwrap_or_else(|| lines.place(span.clone()));
     let mut literal = false;
     let value = match v {

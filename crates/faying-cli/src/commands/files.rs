@@ -7,7 +7,7 @@ use crate::{Output, RunResult, SideOutput, SidePart};
 
 /// A file to be written.
 #[derive(Clone, Debug)]
-pub struct Named {
+pub struct OutputFile {
     /// Its name in the folder.
     pub name: String,
     /// Its content.
@@ -32,10 +32,10 @@ pub fn numbered(stem: &str, number: usize) -> String {
 }
 
 /// The files of fields and sides; what cannot be drawn is reported as a warning.
-pub fn of(output: &Output, with_vtu: bool, trouble: &mut Diagnostics) -> Vec<Named> {
+pub fn of(output: &Output, with_vtu: bool, trouble: &mut Diagnostics) -> Vec<OutputFile> {
     let mut files = Vec::new();
     let mut add = |name: String, made: Result<Vec<u8>, String>| match made {
-        Ok(bytes) => files.push(Named { name, bytes }),
+        Ok(bytes) => files.push(OutputFile { name, bytes }),
         Err(why) => trouble.push(Diagnostic::warning("E091", format!("`{name}` was not written: {why}"))),
     };
     if with_vtu && !output.parts.is_empty() {
@@ -82,11 +82,11 @@ fn picture(output: &Output, side: &SideOutput) -> Result<String, plot::PlotError
 }
 
 /// `active_set.svg`; `None` without an iteration of the active set.
-pub fn active_set(title: &str, result: &RunResult, trouble: &mut Diagnostics) -> Option<Named> {
+pub fn active_set(title: &str, result: &RunResult, trouble: &mut Diagnostics) -> Option<OutputFile> {
     let set = result.solve.as_ref()?.active_set.as_ref().filter(|set| !set.history.is_empty())?;
     let title = if title.is_empty() { "active set".to_owned() } else { format!("{title}: active set") };
     match plot::iteration(&IterationPlot { title: &title, active: &set.history, wrong: &set.wrong, best: set.best }) {
-        Ok(svg) => Some(Named { name: "active_set.svg".to_owned(), bytes: svg.into_bytes() }),
+        Ok(svg) => Some(OutputFile { name: "active_set.svg".to_owned(), bytes: svg.into_bytes() }),
         Err(why) => {
             trouble.push(Diagnostic::warning("E091", format!("`active_set.svg` was not written: {why}")));
             None

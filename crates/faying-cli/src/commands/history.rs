@@ -29,7 +29,7 @@ fn of_contact(c: &ContactReport) -> Vec<(String, f64)> {
 /// The text of the file: t, status, probes by name, then `contact.NAME.*`; missing values are empty.
 pub fn csv(result: &RunResult) -> String {
     let contacts: Vec<(&str, Vec<String>)> =
-        result.contact.iter().map(|(name, c)| (name, of_contact(c).into_iter().map(|(n, _)| n).collect())).collect();
+        result.contact.iter().map(|(name, c)| (name.as_str(), of_contact(c).into_iter().map(|(n, _)| n).collect())).collect();
     let mut head = vec!["t".to_owned(), "status".to_owned()];
     head.extend(result.probes.iter().map(|p| p.name.clone()));
     for (name, columns) in &contacts {
@@ -41,7 +41,7 @@ pub fn csv(result: &RunResult) -> String {
         let mut cells = vec![exact(step.t), status];
         cells.extend(step.probes.iter().map(|p| exact(p.value)));
         for (name, columns) in &contacts {
-            match step.contact.get(name) {
+            match step.contact.get(*name) {
                 Some(c) => cells.extend(of_contact(c).iter().map(|(_, v)| exact(*v))),
                 None => cells.extend(columns.iter().map(|_| String::new())),
             }

@@ -11,7 +11,7 @@ use crate::inspect::{Inspection, add_fields, inspect as look, mesh_of, picture};
 use crate::plot::faces;
 use crate::run::memory_for_files;
 use crate::shapes::{plane_net, solid_net};
-use crate::words::bytes;
+use crate::text_format::bytes;
 use faying::geometry::ControlNet;
 use faying_files::{Contents, FileError, Format, Limits, SplineFile, SplinePatch, parse, read, read_bytes, vtu_read};
 use serde_json::{Value, json};

@@ -3,7 +3,7 @@
 use super::arguments::{Common, RunArguments, VtuCells};
 use super::case;
 use super::ended::{Exit, failure, status};
-use super::files::{self, Named};
+use super::files::{self, OutputFile};
 use super::folder::Folder;
 use super::history;
 use super::results::Results;
@@ -123,7 +123,7 @@ impl Job<'_> {
         let mut shown = output.map(|output| files::of(&output, alone, &mut trouble)).unwrap_or_default();
         shown.extend(history);
         if !result.steps.is_empty() {
-            shown.push(Named { name: "history.csv".to_owned(), bytes: history::csv(&result).into_bytes() });
+            shown.push(OutputFile { name: "history.csv".to_owned(), bytes: history::csv(&result).into_bytes() });
         }
         let steps = Steps { outputs: if with_vtu { steps } else { Vec::new() }, stems };
         result.warnings.extend(trouble.items);
@@ -145,7 +145,7 @@ impl Job<'_> {
     }
 
     /// Writes everything, `result.json` last; returns its text.
-    fn files(&self, result: &mut RunResult, shown: &[Named], steps: &Steps) -> Result<String, Diagnostic> {
+    fn files(&self, result: &mut RunResult, shown: &[OutputFile], steps: &Steps) -> Result<String, Diagnostic> {
         let folder = self.results.folder;
         self.results.clock.hear(Progress::Phase("write"));
         let names = self.results.open(shown.iter().map(|f| f.name.clone()).chain(steps.names()))?;

@@ -2,7 +2,7 @@
 
 use crate::result::{GluedSides, Moment, RunResult};
 use crate::table::{Table, short};
-use crate::words::bytes;
+use crate::text_format::bytes;
 use std::fmt::Write as _;
 
 /// A few lines and tables: the case, the active set, sides, errors, probes, checks.

@@ -1,7 +1,7 @@
 //! Reads the text of a formula into a program; errors carry the position in the text.
 
 use super::number::{Binary, Unary};
-use super::program::{Builder, Op, Program, Variable};
+use super::program::{Op, Program, ProgramBuilder, Variable};
 use super::{FormulaError, QuantityRef, Scope};
 use crate::errors::nearest;
 
@@ -68,7 +68,7 @@ pub(super) fn parse(text: &str, scope: &Scope<'_>) -> Result<(Program, Vec<Quant
     if chars.len() > LONGEST {
         return Err(FormulaError::new(format!("the formula is longer than {LONGEST} characters"), 0, 1));
     }
-    let mut parser = Parser { chars, at: 0, nesting: 0, out: Builder::default(), quantities: Vec::new(), scope };
+    let mut parser = Parser { chars, at: 0, nesting: 0, out: ProgramBuilder::default(), quantities: Vec::new(), scope };
     parser.skip();
     if parser.peek().is_none() {
         return Err(FormulaError::new("the formula is empty", 0, 1));
@@ -84,7 +84,7 @@ struct Parser<'a> {
     chars: Vec<char>,
     at: usize,
     nesting: usize,
-    out: Builder,
+    out: ProgramBuilder,
     quantities: Vec<QuantityRef>,
     scope: &'a Scope<'a>,
 }

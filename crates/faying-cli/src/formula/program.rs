@@ -145,13 +145,13 @@ fn variable<N: Number>(v: Variable, at: &Point, axis: &impl Fn(usize) -> N) -> N
 
 /// Builds a program; constant parts are evaluated at once.
 #[derive(Debug, Default)]
-pub(super) struct Builder {
+pub(super) struct ProgramBuilder {
     ops: Vec<Op>,
     height: usize,
     depth: usize,
 }
 
-impl Builder {
+impl ProgramBuilder {
     pub fn push(&mut self, op: Op) {
         let (takes, fold) = match op {
             Op::Constant(_) | Op::Variable(_) | Op::Quantity(_) => (0, false),

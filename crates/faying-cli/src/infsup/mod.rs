@@ -11,7 +11,7 @@ use super::shapes::plane_net;
 use super::studies::{Method, Row, decided};
 use crate::case::{Case, Multiplier, Tie};
 use crate::errors::{Diagnostic, Diagnostics};
-use crate::place::Place;
+use crate::place::SourceSpan;
 use crate::table::short;
 use faying::coupling::inf_sup::{InfSup, InfSupError, Measure, Norm, Question, ZERO, degree_exponent, inf_sup, slope, verdict};
 use faying::linalg::LinearError;
@@ -94,7 +94,7 @@ pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watc
 }
 
 /// Place of the first interface or contact in space that has a multiplier.
-fn on_surface(case: &Case, registry: &Registry) -> Option<Place> {
+fn on_surface(case: &Case, registry: &Registry) -> Option<SourceSpan> {
     let couplings = &registry.volume.couplings;
     let has_rows = |tie: &&Tie| couplings.get(&tie.coupling.value).is_ok_and(|c| (c.make)(&tie.given).is_ok_and(|made| made.has_rows()));
     let tie = case.interfaces.iter().find(has_rows).map(|tie| tie.head.at);
@@ -177,7 +177,7 @@ impl Method for Constants<'_> {
                 let Some((h, beta)) = point(row) else { continue };
                 (row.verdict, row.slope) = (Some(word.clone()), slope);
                 if let Some((coarse, first)) = before.filter(|b| b.1 > ZERO && beta > ZERO && b.0 > h) {
-                    row.rates.push("beta", (first / beta).ln() / (coarse / h).ln());
+                    row.rates.insert("beta".into(), (first / beta).ln() / (coarse / h).ln());
                 }
             }
         }

@@ -2,10 +2,10 @@
 
 use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
-use crate::lower::{Builder, specification, stated};
+use crate::lower::{LowerContext, specification, stated};
 use crate::registry::Names;
-use crate::shapes::MakeNet;
-use crate::words::component_name;
+use crate::shapes::MakeControlNet;
+use crate::text_format::component_name;
 use faying::coupling::multiplier::MultiplierKind;
 use faying::problem::{SlaveEnds, SlaveSpace};
 
@@ -28,7 +28,12 @@ pub(super) struct SlaveSpaces {
 ///
 /// # Errors
 /// All errors of the bodies, sides and multipliers, with their source locations.
-pub(super) fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, ends: SlaveEnds) -> Result<Vec<SlaveSpaces>, Diagnostics> {
+pub(super) fn slave_spaces(
+    case: &Case,
+    names: &Names<1, 2>,
+    net: MakeControlNet<2>,
+    ends: SlaveEnds,
+) -> Result<Vec<SlaveSpaces>, Diagnostics> {
     let stated = stated(case, names, net)?;
     let found = stated.problem.slave_spaces(ends).map_err(|errors| {
         let mut faults: Vec<Diagnostic> = Vec::new();
@@ -54,7 +59,7 @@ pub(super) fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, en
             _ => None,
         };
         let n = spaces.side.trace().space.num_elements();
-        let own = shares(&stated.builder, spaces.side.body(), spaces.side.name(), net);
+        let own = shares(&stated.context, spaces.side.body(), spaces.side.name(), net);
         let shares = own.filter(|s| s.len() == n).unwrap_or_else(|| vec![1.0 / n as f64; n]);
         let component = spaces.component.map_or("normal", |c| component_name(c, components));
         Some(SlaveSpaces { name: name.clone(), component, pairing, shares, spaces })
@@ -63,9 +68,9 @@ pub(super) fn slave_spaces(case: &Case, names: &Names<1, 2>, net: MakeNet<2>, en
 }
 
 /// Lengths of the elements of a side in its parameter, as fractions of the whole, in their order; `None` for meshes.
-fn shares(builder: &Builder<'_, 1, 2>, patch: usize, side: &str, net: MakeNet<2>) -> Option<Vec<f64>> {
-    let patch = &builder.case.patches[patch];
-    let spec = specification(builder, patch, net).ok()??;
+fn shares(context: &LowerContext<'_, 1, 2>, patch: usize, side: &str, net: MakeControlNet<2>) -> Option<Vec<f64>> {
+    let patch = &context.case.patches[patch];
+    let spec = specification(context, patch, net).ok()??;
     let across = ["u0", "u1", "v0", "v1"].iter().position(|name| *name == side)? / 2;
     let points = &spec.breakpoints[1 - across];
     let length = points.last()? - points.first()?;

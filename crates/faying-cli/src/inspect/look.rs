@@ -14,7 +14,7 @@ const COLLAPSED: f64 = 1e-12;
 
 /// Location of a value.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Place {
+pub struct Location {
     /// The patch, or the kind of cells.
     pub part: String,
     /// Number of the element in it, from 0; the number of the cell in the file if that has numbers.
@@ -31,12 +31,12 @@ pub struct Soundness {
     /// Least determinant over the product of the edges' lengths there: 1 for right angles, and for equilateral simplices.
     pub least_scaled_jacobian: f64,
     /// Location of the least scaled Jacobian.
-    pub worst: Place,
+    pub worst: Location,
     /// Elements whose determinant changes its sign.
     pub inverted: usize,
     /// The first of them.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub inverted_at: Vec<Place>,
+    pub inverted_at: Vec<Location>,
     /// Elements with an edge that is a point.
     pub collapsed: usize,
     /// Shortest distance of two corners along an edge, collapsed edges left out \[length\].
@@ -57,7 +57,7 @@ impl Default for Soundness {
         Self {
             least_jacobian: f64::INFINITY,
             least_scaled_jacobian: f64::INFINITY,
-            worst: Place::default(),
+            worst: Location::default(),
             inverted: 0,
             inverted_at: Vec::new(),
             collapsed: 0,
@@ -204,7 +204,7 @@ pub fn look<const D: usize>(part: &str, map: &dyn Geometry<D, 3>, degree: usize,
     ];
     let looked: Vec<Looked> =
         (0..map.num_elements()).into_par_iter().map_init(MapTable::<D, 3>::new, |table, e| look_at(map, e, &points, flat, table)).collect();
-    let place = |e: usize, x: &Vector<3>| Place { part: part.to_owned(), element: number(e), at: [x[0], x[1], x[2]] };
+    let place = |e: usize, x: &Vector<3>| Location { part: part.to_owned(), element: number(e), at: [x[0], x[1], x[2]] };
     let mut all = Soundness { elements: looked.len(), ..Soundness::default() };
     for (e, l) in looked.iter().enumerate() {
         if l.scaled < all.least_scaled_jacobian {

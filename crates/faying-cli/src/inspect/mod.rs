@@ -7,7 +7,7 @@ mod picture;
 mod splines;
 
 pub use grid::{FieldReport, add_fields, mesh_of};
-pub use look::{Place, Soundness};
+pub use look::{Location, Soundness};
 pub use meshes::{CellsReport, GroupReport};
 pub use picture::picture;
 pub use splines::{LabelReport, PatchReport, face, faces, map_of, name_of};

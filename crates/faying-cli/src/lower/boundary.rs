@@ -1,30 +1,30 @@
 //! Boundary conditions and loads of the case, said block by block.
 
-use super::builder::Builder;
-use super::couples::Couples;
+use super::lower_context::LowerContext;
 use super::places::{Places, Said};
+use super::side_pairs::SidePairs;
 use super::sides::refused;
 use crate::case::{Boundary, Components, Datum, SideRef};
 use crate::errors::Diagnostic;
 use crate::formula::{Formula, Point};
-use crate::place::{Located, Place};
-use crate::words::{place, short};
+use crate::place::{Located, SourceSpan};
+use crate::text_format::{place, short};
 use faying::linalg::Vector;
 use faying::problem::{Data, ErrorKind, Problem, ProblemError, Region, RegionId, Statement, Value};
 
 /// Share by which the facets that `where` keeps may differ from the part in which it holds.
 const CUT: f64 = 1e-3;
 
-/// Says the conditions, loads and springs of all boundary blocks; errors go to the builder's faults.
+/// Says the conditions, loads and springs of all boundary blocks; errors go to the context's faults.
 pub(super) fn say<const S: usize, const N: usize>(
-    builder: &mut Builder<'_, S, N>,
+    context: &mut LowerContext<'_, S, N>,
     problem: &mut Problem<S, N>,
     places: &mut Places,
-    couples: &Couples<S, N>,
+    couples: &SidePairs<S, N>,
 ) {
-    for number in 0..builder.case.boundaries.len() {
-        let block = &builder.case.boundaries[number];
-        let mut said = Block { builder, problem, places, number, block };
+    for number in 0..context.case.boundaries.len() {
+        let block = &context.case.boundaries[number];
+        let mut said = Block { context, problem, places, number, block };
         let (mut on, mut rims, mut faults) = (Vec::with_capacity(block.on.len()), Vec::new(), Vec::new());
         for wanted in &block.on {
             // sides coupled to another side are not outer sides
@@ -43,11 +43,11 @@ pub(super) fn say<const S: usize, const N: usize>(
         faults.extend(on.iter().filter_map(|side| said.on_side(*side).err()).map(|fault| *fault));
         let all = [&on[..], &rims].concat();
         faults.extend(said.on_all(&all).err().map(|fault| *fault));
-        builder.faults.items.extend(faults);
-        if let (true, false, true, Some(filter)) = (on.is_empty(), block.on.is_empty(), !builder.faults.has_errors(), &block.filter) {
+        context.faults.items.extend(faults);
+        if let (true, false, true, Some(filter)) = (on.is_empty(), block.on.is_empty(), !context.faults.has_errors(), &block.filter) {
             let text = format!("no facet of the sides of \"{}\" has its centre where `{}` holds", block.name.value, filter.value.text());
-            let fault = builder.error("E015", text, filter.at).with_help("`where` keeps whole facets; a finer mesh has smaller ones");
-            builder.faults.push(fault);
+            let fault = context.error("E015", text, filter.at).with_help("`where` keeps whole facets; a finer mesh has smaller ones");
+            context.faults.push(fault);
         }
     }
 }
@@ -83,7 +83,7 @@ impl Below<'_> {
 
 /// A block that is being said.
 struct Block<'a, 'b, const S: usize, const N: usize> {
-    builder: &'a Builder<'b, S, N>,
+    context: &'a LowerContext<'b, S, N>,
     problem: &'a mut Problem<S, N>,
     places: &'a mut Places,
     number: usize,
@@ -91,8 +91,8 @@ struct Block<'a, 'b, const S: usize, const N: usize> {
 }
 
 impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
-    fn error(&self, code: &'static str, text: String, at: Place) -> Diagnostic {
-        self.builder.error(code, text, at)
+    fn error(&self, code: &'static str, text: String, at: SourceSpan) -> Diagnostic {
+        self.context.error(code, text, at)
     }
 
     /// The side of a reference, or the part of it that `where` keeps, if any.
@@ -115,7 +115,7 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
         }
         made.map_err(|error| {
             Box::new(match (&error.kind, &self.block.filter) {
-                (ErrorKind::Side(_), _) => refused(self.builder, self.problem, &error, wanted),
+                (ErrorKind::Side(_), _) => refused(self.context, self.problem, &error, wanted),
                 (_, Some(filter)) => {
                     let text = format!("`where` on `{}`, a side of triangles and quadrilaterals, is not in this version", error.names()[0]);
                     self.error("E019", text, filter.at).with_help("give the part a tag of its own in the mesh")
@@ -140,7 +140,7 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
     /// Says the conditions of what is no side, and returns it.
     fn on_below(&mut self, wanted: &Located<SideRef>, below: &Below<'_>) -> Result<RegionId, Box<Diagnostic>> {
         let (block, patch, what) = (self.block, wanted.value.patch, below.words::<N>());
-        let label = format!("{}.{}", self.builder.case.patches[patch].name.value, wanted.value.side);
+        let label = format!("{}.{}", self.context.case.patches[patch].name.value, wanted.value.side);
         let loads = block.traction.iter().any(Option::is_some)
             || block.pressure.is_some()
             || [&block.spring, &block.rigid_force].into_iter().any(|list| list.iter().any(Option::is_some));
@@ -161,7 +161,7 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
             Below::Named(_) => self.problem.region(body.side(&wanted.value.side)),
         };
         let region = made.map_err(|error| match &error.kind {
-            ErrorKind::Side(_) => Box::new(refused(self.builder, self.problem, &error, wanted)),
+            ErrorKind::Side(_) => Box::new(refused(self.context, self.problem, &error, wanted)),
             _ => {
                 let text = format!("`{label}` is not {what}: {} share no function there", error.names().join(" and "));
                 Box::new(self.error("E021", text, wanted.at))
@@ -175,7 +175,7 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
     fn keep(
         &mut self,
         made: Result<Statement, ProblemError>,
-        at: Place,
+        at: SourceSpan,
         what: &'static str,
         formula: Option<&Formula>,
     ) -> Result<Statement, Box<Diagnostic>> {
@@ -194,7 +194,7 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
 
     /// The formula of the exact solution in the first patch of the block.
     fn exact(&self, component: usize) -> Option<&'b Formula> {
-        let case = self.builder.case;
+        let case = self.context.case;
         let own = self.block.on.first().and_then(|side| case.patches.get(side.value.patch)?.exact.as_ref());
         own.or(case.model.exact.as_ref())?.get(component).map(|f| &f.value)
     }
@@ -243,7 +243,7 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
         Ok(())
     }
 
-    fn sliding(&mut self, made: Result<Statement, ProblemError>, at: Place, word: &str) -> Result<(), Box<Diagnostic>> {
+    fn sliding(&mut self, made: Result<Statement, ProblemError>, at: SourceSpan, word: &str) -> Result<(), Box<Diagnostic>> {
         if let Err(ProblemError { kind: ErrorKind::NotPlanar, .. }) = &made {
             let label = made.as_ref().err().map_or_else(String::new, |e| e.names()[0].clone());
             let text = format!("fix = [\"{word}\"] needs a planar side; `{label}` is curved");
@@ -291,7 +291,7 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
                 filter.value.text()
             );
             let help = "let the border of `where` lie on edges of elements: give breakpoints there, or refine the mesh";
-            self.builder.warning("E017", text, filter.at).with_help(help)
+            self.context.warning("E017", text, filter.at).with_help(help)
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Contacts of the case, said one by one, and what is found of them once they are built.
 
-use super::builder::Builder;
-use super::built::Built;
+use super::lower_context::LowerContext;
+use super::lowered_case::LoweredCase;
 use super::multipliers::{multiplier, unstable};
 use super::obstacles::{opponent, swallowed};
 use super::places::{Places, Said};
@@ -12,19 +12,19 @@ use super::warned::tell;
 use crate::case::{self, Contact, Master, SideRef};
 use crate::errors::{Diagnostic, Severity};
 use crate::formula::Formula;
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 use crate::registry::Fault;
 use faying::contact::{ContactError, ContactMethod};
 use faying::coupling::multiplier::MultiplierKind;
 use faying::problem::{self, ErrorKind, Multiplier, Opponent, Problem, Rule, Warning};
 use std::sync::Arc;
 
-/// Says all contacts of the case; errors go to the builder's faults.
-pub(super) fn say<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, problem: &mut Problem<S, N>, places: &mut Places) {
-    let case = builder.case;
+/// Says all contacts of the case; errors go to the context's faults.
+pub(super) fn say<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, problem: &mut Problem<S, N>, places: &mut Places) {
+    let case = context.case;
     for (k, contact) in case.contacts.iter().enumerate() {
-        if let Err(fault) = one(builder, problem, places, k, contact) {
-            builder.faults.items.extend(fault);
+        if let Err(fault) = one(context, problem, places, k, contact) {
+            context.faults.items.extend(fault);
         }
     }
 }
@@ -36,38 +36,38 @@ fn sides<'a>(places: &Places, wanted: &'a [Located<SideRef>]) -> problem::Sides<
 
 /// Looks up the sides of a list, each of which exists.
 fn named<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     problem: &mut Problem<S, N>,
     places: &Places,
     wanted: &[Located<SideRef>],
 ) -> Result<(), Vec<Diagnostic>> {
-    let faults: Vec<_> = wanted.iter().filter_map(|of| side(builder, problem, places, of).err()).map(|fault| *fault).collect();
+    let faults: Vec<_> = wanted.iter().filter_map(|of| side(context, problem, places, of).err()).map(|fault| *fault).collect();
     if faults.is_empty() { Ok(()) } else { Err(faults) }
 }
 
 fn one<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     problem: &mut Problem<S, N>,
     places: &mut Places,
     number: usize,
     contact: &Contact,
 ) -> Result<(), Vec<Diagnostic>> {
     let refused = |fault: Box<Diagnostic>| vec![*fault];
-    known(builder, contact).map_err(refused)?;
-    named(builder, problem, places, &contact.slave)?;
-    let (method, multiplier, rule) = choices(builder, contact).map_err(refused)?;
+    known(context, contact).map_err(refused)?;
+    named(context, problem, places, &contact.slave)?;
+    let (method, multiplier, rule) = choices(context, contact).map_err(refused)?;
     let faced: Opponent<'_, S, N> = match &contact.master {
         Master::Sides(wanted) => {
-            named(builder, problem, places, wanted)?;
+            named(context, problem, places, wanted)?;
             Opponent::Sides(sides(places, wanted))
         }
-        Master::Rigid(obstacle) => opponent(builder, obstacle, &contact.name.value).map_err(refused)?,
+        Master::Rigid(obstacle) => opponent(context, obstacle, &contact.name.value).map_err(refused)?,
     };
     let said = problem.contact(sides(places, &contact.slave), faced).map_err(|error| {
         let name = &contact.name.value;
         vec![match error.kind {
-            ErrorKind::NoMaster => builder.error("E021", format!("contact \"{name}\" has no master"), contact.head.at),
-            _ => builder.error("E015", format!("contact \"{name}\": {error}"), contact.head.at),
+            ErrorKind::NoMaster => context.error("E021", format!("contact \"{name}\" has no master"), contact.head.at),
+            _ => context.error("E015", format!("contact \"{name}\": {error}"), contact.head.at),
         }]
     })?;
     said.named(&contact.name.value).method(method).multiplier(multiplier).rule(rule).extra_points(contact.extra_points.value);
@@ -98,7 +98,7 @@ fn one<const S: usize, const N: usize>(
 
 /// Motion or force of an obstacle per component, zero where there is none.
 fn driven(obstacle: &case::Obstacle) -> Vec<Located<Formula>> {
-    let none = || Located::new(Formula::constant(0.0), Place::default());
+    let none = || Located::new(Formula::constant(0.0), SourceSpan::default());
     let count = obstacle.translate.len().max(obstacle.force.len());
     let of = |list: &[Option<Located<Formula>>], k: usize| list.get(k).cloned().flatten();
     (0..count).map(|k| of(&obstacle.translate, k).or_else(|| of(&obstacle.force, k)).unwrap_or_else(none)).collect()
@@ -107,55 +107,55 @@ fn driven(obstacle: &case::Obstacle) -> Vec<Located<Formula>> {
 /// Method, multiplier and rule of a contact.
 type Choices<const S: usize, const N: usize> = (Arc<dyn ContactMethod<S, N>>, Multiplier<S, N>, Rule<S, N>);
 
-fn choices<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, contact: &Contact) -> Result<Choices<S, N>, Box<Diagnostic>> {
+fn choices<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, contact: &Contact) -> Result<Choices<S, N>, Box<Diagnostic>> {
     let name = &contact.method;
-    let entry = builder.names.methods.get(&name.value).map_err(|e| builder.error("E015", e.to_string(), name.at))?;
-    let refused = |fault: &Fault| builder.error(fault.code, fault.message.clone(), contact.given.at(fault.key).unwrap_or(name.at));
+    let entry = context.names.methods.get(&name.value).map_err(|e| context.error("E015", e.to_string(), name.at))?;
+    let refused = |fault: &Fault| context.error(fault.code, fault.message.clone(), contact.given.at(fault.key).unwrap_or(name.at));
     let method = (entry.make)(&contact.given).map_err(|fault| refused(&fault))?;
-    let multiplier = if contact.needs.multiplier { multiplier(builder, &contact.multiplier)? } else { MultiplierKind::Auto.into() };
-    Ok((method, multiplier, rule(builder, &contact.integration)?))
+    let multiplier = if contact.needs.multiplier { multiplier(context, &contact.multiplier)? } else { MultiplierKind::Auto.into() };
+    Ok((method, multiplier, rule(context, &contact.integration)?))
 }
 
 /// Checks that the model is one of elasticity and that the contact has the same `c` as all others (E015).
-fn known<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, contact: &Contact) -> Result<(), Box<Diagnostic>> {
-    let case = builder.case;
+fn known<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, contact: &Contact) -> Result<(), Box<Diagnostic>> {
+    let case = context.case;
     if case.model.components() == 1 {
-        return Err(Box::new(builder.error("E015", "contact needs elasticity; the model is poisson", contact.head.at)));
+        return Err(Box::new(context.error("E015", "contact needs elasticity; the model is poisson", contact.head.at)));
     }
     if contact.active_set.c.value != case.contacts[0].active_set.c.value {
         let text = "all contacts of a case share one active set; `c` must be the same";
-        return Err(Box::new(builder.error("E015", text, contact.active_set.c.at)));
+        return Err(Box::new(context.error("E015", text, contact.active_set.c.at)));
     }
     Ok(())
 }
 
 /// Warns of unstable multipliers and of slave sides that face nothing, and refuses overlaps that are no press fits.
 pub(super) fn check<const S: usize, const N: usize>(
-    builder: &mut Builder<'_, S, N>,
+    context: &mut LowerContext<'_, S, N>,
     problem: &Problem<S, N>,
-    built: &Built<S, N>,
+    built: &LoweredCase<S, N>,
     found: &[Warning],
 ) {
-    let case = builder.case;
+    let case = context.case;
     for (number, (contact, of)) in case.contacts.iter().zip(built.system.contents().contacts()).enumerate() {
         let sides = of.sides();
         for slave in sides.iter().filter(|slave| !slave.multipliers().is_empty()) {
-            let found = unstable(builder, &contact.name.value, slave.side(), &contact.multiplier, slave.unstable());
-            builder.faults.items.extend(found);
+            let found = unstable(context, &contact.name.value, slave.side(), &contact.multiplier, slave.unstable());
+            context.faults.items.extend(found);
         }
-        match sides.iter().find_map(|slave| swallowed(builder, contact, problem, of.id(), slave.number())) {
-            Some(fault) => builder.faults.push(fault),
+        match sides.iter().find_map(|slave| swallowed(context, contact, problem, of.id(), slave.number())) {
+            Some(fault) => context.faults.push(fault),
             None => {
                 let own = |w: &&Warning| matches!(w, Warning::Overlap { of, .. } if of.number == number);
-                tell(builder, &built.places, found.iter().filter(own));
+                tell(context, &built.places, found.iter().filter(own));
             }
         }
         for &slave in of.idle() {
             let at = contact.slave.get(slave).map_or(contact.head.at, |s| s.at);
             let Some((slave, masters)) = problem.slave_and_masters(of.id().into(), slave) else { continue };
-            let mut fault = contact_fault(builder, contact, &slave, &masters, &ContactError::NoTarget, at);
+            let mut fault = contact_fault(context, contact, &slave, &masters, &ContactError::NoTarget, at);
             fault.severity = Severity::Warning;
-            builder.faults.push(fault.with_help("leave the side out of `slave`"));
+            context.faults.push(fault.with_help("leave the side out of `slave`"));
         }
     }
 }

@@ -1,115 +1,120 @@
 //! Diagnostics for what a problem refuses.
 
-use super::builder::Builder;
 use super::glue;
+use super::lower_context::LowerContext;
 use super::places::Places;
 use super::refused::slave_fault;
 use crate::errors::{Diagnostic, Diagnostics};
-use crate::place::Place;
-use crate::words::{component_name, coordinates, place, short, time_text};
+use crate::place::SourceSpan;
+use crate::text_format::{component_name, coordinates, place, short, time_text};
 use faying::assembly::DirichletError;
 use faying::linalg::LinearError;
-use faying::problem::{ErrorKind, Problem, ProblemError, ProblemErrors};
+use faying::problem::{ErrorKind, Problem, ProblemError, ProblemErrors, RevolutionError};
 
 /// One diagnostic per error of a problem.
 pub(super) fn refused<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     problem: &Problem<S, N>,
     places: &Places,
     errors: &ProblemErrors,
 ) -> Vec<Diagnostic> {
     let one = |error: &ProblemError| match (&error.kind, error.of.last()) {
-        (ErrorKind::Interface { slave, error: of_slave }, Some(of)) => slave_fault(builder, (problem, places), *of, *slave, of_slave),
+        (ErrorKind::Interface { slave, error: of_slave }, Some(of)) => slave_fault(context, (problem, places), *of, *slave, of_slave),
         _ => None,
     };
-    errors.0.iter().map(|error| one(error).unwrap_or_else(|| fault(builder, places, error))).collect()
+    errors.0.iter().map(|error| one(error).unwrap_or_else(|| fault(context, places, error))).collect()
 }
 
-/// The builder's faults and those of `errors`.
+/// The faults so far and those of `errors`.
 pub(super) fn all<const S: usize, const N: usize>(
-    builder: &mut Builder<'_, S, N>,
+    context: &mut LowerContext<'_, S, N>,
     problem: &Problem<S, N>,
     places: &Places,
     errors: &ProblemErrors,
 ) -> Diagnostics {
-    let found = refused(builder, problem, places, errors);
-    builder.faults.items.extend(found);
-    std::mem::take(&mut builder.faults)
+    let found = refused(context, problem, places, errors);
+    context.faults.items.extend(found);
+    std::mem::take(&mut context.faults)
 }
 
-/// Returns the builder's faults as `Err` if there is an error among them, with those of the bodies, loads and joints of the problem.
+/// Returns the context's faults as `Err` if there is an error among them, with those of the bodies, loads and joints of the problem.
 pub(super) fn stop<const S: usize, const N: usize>(
-    builder: &mut Builder<'_, S, N>,
+    context: &mut LowerContext<'_, S, N>,
     problem: &Problem<S, N>,
     places: &Places,
 ) -> Result<(), Diagnostics> {
-    if !builder.faults.has_errors() {
+    if !context.faults.has_errors() {
         return Ok(());
     }
     Err(match problem.check() {
-        Ok(_) => std::mem::take(&mut builder.faults),
-        Err(errors) => all(builder, problem, places, &errors),
+        Ok(_) => std::mem::take(&mut context.faults),
+        Err(errors) => all(context, problem, places, &errors),
     })
 }
 
 /// The diagnostic of data that are not finite, too large, or negative where they must not be.
-fn data_fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &Places, error: &ProblemError, at: Place) -> Diagnostic {
+fn data_fault<const S: usize, const N: usize>(
+    context: &LowerContext<'_, S, N>,
+    places: &Places,
+    error: &ProblemError,
+    at: SourceSpan,
+) -> Diagnostic {
     let (code, x, t, value, component) = match &error.kind {
         ErrorKind::Negative { x, t, value, component } => ("E015", x, t, value, component),
         ErrorKind::TooLarge { x, t, value, component } => ("E015", x, t, value, component),
         ErrorKind::NotFinite { x, t, value, component } => ("E017", x, t, value, component),
-        _ => return builder.error("E015", error.to_string(), at),
+        _ => return context.error("E015", error.to_string(), at),
     };
     let said = error.of.first().and_then(|of| places.said(*of));
     let Some((what, formula)) = said.and_then(|s| Some((s.what, s.formulas.get(*component).or(s.formulas.first())?))) else {
-        return builder.error(code, error.to_string(), at);
+        return context.error(code, error.to_string(), at);
     };
     let x = place(&x[..N]) + &time_text(formula.value.depends_on_time(), *t);
     if matches!(error.kind, ErrorKind::Negative { .. }) {
         let text = format!("{what} of `{}` must not be negative, found {value:?} at {x}", error.names()[1]);
-        return builder.error(code, text, formula.at).with_help(
+        return context.error(code, text, formula.at).with_help(
             "a spring or a foundation pulls back with the force stiffness times displacement, and weight is density times gravity: they are positive",
         );
     }
     let of = match error.of.iter().find_map(|of| places.patch(*of)) {
-        Some(number) => format!("{what} in patch \"{}\"", builder.case.patches[number].name.value),
+        Some(number) => format!("{what} in patch \"{}\"", context.case.patches[number].name.value),
         None => format!("{what} of `{}`", error.names()[1]),
     };
     if matches!(error.kind, ErrorKind::TooLarge { .. }) {
         let text = format!("{of} is too large at {x}: the square of {value:e} overflows");
-        return builder.error(code, text, formula.at).with_help("look for an exponent that slipped, or choose units of middling numbers");
+        return context.error(code, text, formula.at).with_help("look for an exponent that slipped, or choose units of middling numbers");
     }
     let text = format!("{of}: `{}` is not finite at {x} (found {value})", formula.value.text());
     let help = "data are needed on the whole side or patch: give a formula that has a value at each of its points";
-    builder.error(code, text, formula.at).with_help(help)
+    context.error(code, text, formula.at).with_help(help)
 }
 
 /// The diagnostic of an error.
-fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &Places, error: &ProblemError) -> Diagnostic {
-    let (case, components) = (builder.case, builder.case.model.components());
+fn fault<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, places: &Places, error: &ProblemError) -> Diagnostic {
+    let (case, components) = (context.case, context.case.model.components());
     let said = |k: usize| error.of.get(k).and_then(|of| places.said(*of));
     let at = error.of.last().map(|of| places.at(*of)).unwrap_or_default();
     let patch = || error.of.iter().find_map(|of| places.patch(*of));
     match &error.kind {
         ErrorKind::OutOfLimits { error: limit, x, t } => {
-            let Some(number) = patch() else { return builder.error("E053", error.to_string(), at) };
+            let Some(number) = patch() else { return context.error("E053", error.to_string(), at) };
             let (patch, material) = (&case.patches[number].name.value, &case.materials[case.patches[number].material.value]);
             let x = place(&x[..N]) + &time_text(material.changes(), *t);
             let text = format!("material \"{}\" in patch \"{patch}\", at {x}: {limit}", material.name.value);
-            builder
+            context
                 .error("E053", text, material.place_of(limit))
                 .with_help("formulas of materials are checked at the quadrature points of the patches that use them")
         }
         ErrorKind::NotFinite { .. } | ErrorKind::TooLarge { .. } | ErrorKind::Negative { .. } => {
-            data_fault::<S, N>(builder, places, error, at)
+            data_fault::<S, N>(context, places, error, at)
         }
-        ErrorKind::Glue(of_sides) => glue::fault(builder, at, error.names(), of_sides),
+        ErrorKind::Glue(of_sides) => glue::fault(context, at, error.names(), of_sides),
         ErrorKind::NoExact => {
-            builder.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")
+            context.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")
         }
         ErrorKind::ExactInPart => {
             let text = format!("patch \"{}\" has no `exact`, and patch \"{}\" has one", error.names()[1], error.names()[0]);
-            builder.error("E062", text, at).with_help("give `exact` in every patch, or in [model] for those that have none of their own")
+            context.error("E062", text, at).with_help("give `exact` in every patch, or in [model] for those that have none of their own")
         }
         ErrorKind::Prescribed { error: conflict, t, changes } => {
             let first = said(0).map(|s| s.at).unwrap_or_default();
@@ -122,29 +127,29 @@ fn fault<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, places: &P
                         coordinates(&x[..N]),
                         time_text(*changes, *t)
                     );
-                    builder.error("E052", text, at).with_help("make the values equal there, or prescribe one of them")
+                    context.error("E052", text, at).with_help("make the values equal there, or prescribe one of them")
                 }
                 DirichletError::Projection { source: LinearError::NotFinite, .. } => {
                     let text = format!("a prescribed value is not finite somewhere on its side{}", time_text(*changes, *t));
-                    builder.error("E017", text, at)
+                    context.error("E017", text, at)
                 }
-                other => builder.error("E072", other.to_string(), at),
+                other => context.error("E072", other.to_string(), at),
             }
         }
-        _ => held(builder, places, error, at)
-            .or_else(|| revolved(builder, places, error, at))
-            .unwrap_or_else(|| builder.error("E015", error.to_string(), at)),
+        _ => held(context, places, error, at)
+            .or_else(|| revolved(context, places, error, at))
+            .unwrap_or_else(|| context.error("E015", error.to_string(), at)),
     }
 }
 
 /// The diagnostic of what is prescribed or held twice, or loaded and held.
 fn held<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     places: &Places,
     error: &ProblemError,
-    at: Place,
+    at: SourceSpan,
 ) -> Option<Diagnostic> {
-    let name = |component: &usize| component_name(*component, builder.case.model.components());
+    let name = |component: &usize| component_name(*component, context.case.model.components());
     let line = |k: usize, before: &str, after: &str| {
         let at = error.of.get(k).and_then(|of| places.said(*of)?.at.in_file());
         at.map_or(String::new(), |(line, _)| format!("{before}{line}{after}"))
@@ -181,33 +186,33 @@ fn held<const S: usize, const N: usize>(
         }
         _ => return None,
     };
-    Some(builder.error("E052", text, at).with_help(help))
+    Some(context.error("E052", text, at).with_help(help))
 }
 
 /// The diagnostic of what bodies of revolution cannot have.
 fn revolved<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     places: &Places,
     error: &ProblemError,
-    at: Place,
+    at: SourceSpan,
 ) -> Option<Diagnostic> {
     let name = error.names().first()?;
     let (code, text, at, help) = match &error.kind {
-        ErrorKind::BeyondAxis { x } => {
+        ErrorKind::Revolution(RevolutionError::BeyondAxis { x }) => {
             let number = error.of.iter().find_map(|of| places.patch(*of))?;
             let text = format!("patch \"{name}\" has points beyond the axis x = 0, such as {}", place(&x[..N]));
             let help = "x is the radius here: keep to x >= 0, half of the section is all of the body of revolution";
-            ("E041", text, builder.case.patches[number].geometry.at, help)
+            ("E041", text, context.case.patches[number].geometry.at, help)
         }
-        ErrorKind::OnAxis => {
+        ErrorKind::Revolution(RevolutionError::OnAxis) => {
             let text = format!("`{name}` lies on the axis x = 0, where u.x is zero and areas are");
             ("E015", text, at, "leave it out: u.x is held there without a word, and u.y is prescribed or free as elsewhere")
         }
-        ErrorKind::Radial => {
+        ErrorKind::Revolution(RevolutionError::RadialForce) => {
             let text = format!("a force presses the obstacle of contact \"{name}\" along x, the radius");
             ("E015", text, at, "bodies of revolution move along y alone; `move` takes x, as for a mandrel that opens")
         }
         _ => return None,
     };
-    Some(builder.error(code, text, at).with_help(help))
+    Some(context.error(code, text, at).with_help(help))
 }

@@ -1,11 +1,11 @@
 //! Sentences of what a search for touching sides finds, and of its errors.
 
-use super::builder::Builder;
+use super::lower_context::LowerContext;
 use super::sides::side_fault;
 use crate::case::{Physics, SideRef};
 use crate::errors::Diagnostic;
-use crate::place::{Located, Place};
-use crate::words::{labels, place, short};
+use crate::place::{Located, SourceSpan};
+use crate::text_format::{labels, place, short};
 use faying::problem::SideView;
 use faying::problem::touching::{Finding, NEAR, NearPair, Position, Search, THIN, TouchError};
 use faying::space::Clearance;
@@ -17,30 +17,34 @@ const TIE: &str = "if they are meant to be tied, name slave and master of an [[i
 
 /// Builds the diagnostic of a search that fails; `interface` is the name of the one it is for.
 pub(super) fn fault<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     search: &Search<'_, S, N>,
     error: &TouchError<S, N>,
     interface: &str,
-    at: Place,
+    at: SourceSpan,
 ) -> Diagnostic {
     match error {
         TouchError::Side { patch, side, error } => {
-            side_fault(builder, &search.body(*patch), error, &Located::new(SideRef { patch: *patch, side: side.clone() }, at))
+            side_fault(context, &search.body(*patch), error, &Located::new(SideRef { patch: *patch, side: side.clone() }, at))
         }
         TouchError::Nothing { nearest } => {
             let nearest = nearest.as_ref().map_or(String::new(), |pair| format!("; the nearest, {}", distance(pair)));
             let text = format!("no sides of the patches of interface \"{interface}\" touch each other that are not joined yet{nearest}");
             let help = "name slave and master, or raise `tolerance`; a list of patches parts those that a file or a mesh joins";
-            builder.error("E023", text, at).with_help(help)
+            context.error("E023", text, at).with_help(help)
         }
         other => {
-            builder.error("E023", other.to_string(), at).with_help("name slave and master, or give the touching part one tag of its own")
+            context.error("E023", other.to_string(), at).with_help("name slave and master, or give the touching part one tag of its own")
         }
     }
 }
 
 /// Builds the warning of a finding.
-pub(super) fn warning<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, finding: &Finding<S, N>, at: Place) -> Diagnostic {
+pub(super) fn warning<const S: usize, const N: usize>(
+    context: &LowerContext<'_, S, N>,
+    finding: &Finding<S, N>,
+    at: SourceSpan,
+) -> Diagnostic {
     let (text, help) = match finding {
         Finding::NotTied { sides: [a, b], clearance } => {
             (format!("`{}` and `{}` are {}. They are not tied", a.label(), b.label(), apart(clearance)), TIE.to_owned())
@@ -60,36 +64,36 @@ pub(super) fn warning<const S: usize, const N: usize>(builder: &Builder<'_, S, N
                 Position::Apart(d) => format!("are {} apart", short(*d)),
                 Position::Overlap(d) => format!("are {} deep in each other", short(*d)),
             };
-            (format!("`{}` and `{}` {how}, and nothing joins them", a.label(), b.label()), joining(builder, a, b))
+            (format!("`{}` and `{}` {how}, and nothing joins them", a.label(), b.label()), joining(context, a, b))
         }
         Finding::Overlap { patches, x } => {
-            let [a, b] = patches.map(|k| &builder.case.patches[k].name.value);
+            let [a, b] = patches.map(|k| &context.case.patches[k].name.value);
             (
                 format!("patches \"{a}\" and \"{b}\" overlap (at {}), and nothing joins them", place(x.as_slice())),
                 "move them apart, join sides that touch by [[interface]], or press them together by [[contact]]".to_owned(),
             )
         }
     };
-    builder.warning("E023", text, at).with_help(help)
+    context.warning("E023", text, at).with_help(help)
 }
 
 /// Warns of sides and patches that nothing joins, at their patches; beyond [`NAMED`] pairs of sides are counted.
-pub(super) fn unjoined<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, found: &[Finding<S, N>]) {
-    let case = builder.case;
+pub(super) fn unjoined<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, found: &[Finding<S, N>]) {
+    let case = context.case;
     let pairs = found.iter().take_while(|f| matches!(f, Finding::Unjoined { .. })).count();
-    let tell = |builder: &mut Builder<'_, S, N>, list: &[Finding<S, N>]| {
+    let tell = |context: &mut LowerContext<'_, S, N>, list: &[Finding<S, N>]| {
         for finding in list {
-            let warning = warning(builder, finding, case.patches[finding.patches()[1]].head.at);
-            builder.faults.push(warning);
+            let warning = warning(context, finding, case.patches[finding.patches()[1]].head.at);
+            context.faults.push(warning);
         }
     };
-    tell(builder, &found[..pairs.min(NAMED)]);
+    tell(context, &found[..pairs.min(NAMED)]);
     if pairs > NAMED {
         let text = format!("{} more pairs of sides touch or nearly touch, and nothing joins them", pairs - NAMED);
         let at = case.patches.first().map_or_else(Default::default, |p| p.head.at);
-        builder.faults.push(builder.warning("E023", text, at).with_help("[[interface]] with between = \"all\" ties all that touch"));
+        context.faults.push(context.warning("E023", text, at).with_help("[[interface]] with between = \"all\" ties all that touch"));
     }
-    tell(builder, &found[pairs..]);
+    tell(context, &found[pairs..]);
 }
 
 /// "0.01 apart in the mean, up to 0.02; their facets explain 0.001 in the mean".
@@ -105,8 +109,8 @@ fn distance<const S: usize, const N: usize>(pair: &NearPair<S, N>) -> String {
 }
 
 /// The line that joins two sides.
-fn joining<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, a: &SideView<S, N>, b: &SideView<S, N>) -> String {
-    let case = builder.case;
+fn joining<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, a: &SideView<S, N>, b: &SideView<S, N>) -> String {
+    let case = context.case;
     if a.body() == b.body() {
         let (axis, patch) = (&a.name()[..1], &case.patches[a.body()].name.value);
         return format!(

@@ -1,17 +1,17 @@
 //! Bodies of patches that are read from meshes: the cells are transformed, refined, and made a Lagrange mesh.
 
-use super::builder::Builder;
+use super::lower_context::LowerContext;
 use crate::case::{Master, Patch, SideRef};
 use crate::errors::Diagnostic;
 use crate::place::Located;
 use crate::shapes::{mesh_fault, placed_points};
-use crate::words::place;
+use crate::text_format::place;
 use faying::linalg::Vector;
 use faying::space::{Body, Dimension, Mapping, Mesh, Trace, Unshared, refine_cells, unshared_points};
 
 /// Builds the body of a patch that is read from a mesh (backend `fe`).
 pub(crate) fn body<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     patch: &Patch,
 ) -> Result<Box<dyn Body<S, N>>, Box<Diagnostic>>
 where
@@ -22,10 +22,10 @@ where
     let part = geometry.shape.part();
     let Some(mut cells) = part.and_then(|p| p.cells::<N>()) else {
         let text = format!("geometry of patch \"{name}\": the cells are not of dimension {N}");
-        return Err(Box::new(builder.error("E044", text, geometry.at)));
+        return Err(Box::new(context.error("E044", text, geometry.at)));
     };
     cells.points = placed_points(&cells.points, geometry)
-        .map_err(|text| builder.error("E015", format!("geometry of patch \"{name}\": {text}"), geometry.at))?;
+        .map_err(|text| context.error("E015", format!("geometry of patch \"{name}\": {text}"), geometry.at))?;
     for _ in 0..patch.refine.value {
         cells = refine_cells(&cells);
     }
@@ -34,14 +34,14 @@ where
     let mesh = Mesh::<S, N>::from_cells(&cells, degree, d.mapping.value).map_err(|error| {
         let fault = mesh_fault(error, part, N * patch.refine.value);
         let at = if fault.key == "degree" { d.degree.at } else { geometry.at };
-        builder.error(fault.code, format!("patch \"{name}\": {fault}"), at)
+        context.error(fault.code, format!("patch \"{name}\": {fault}"), at)
     })?;
     Ok(Box::new(mesh))
 }
 
 /// Warns of meshes with nodes that coincide and are not shared; none where a tie or a contact joins sides of one mesh to each other.
-pub(super) fn unshared<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>) {
-    let case = builder.case;
+pub(super) fn unshared<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>) {
+    let case = context.case;
     for (k, patch) in case.patches.iter().enumerate() {
         let of = |list: &[Located<SideRef>]| list.iter().any(|side| side.value.patch == k);
         let tied = case.interfaces.iter().any(|t| of(&t.slave) && of(&t.master));
@@ -50,8 +50,8 @@ pub(super) fn unshared<const S: usize, const N: usize>(builder: &mut Builder<'_,
         let Some(found) = cells.filter(|_| !tied && !pressed).and_then(|cells| unshared_points(&cells)) else { continue };
         let at = placed_points(&[found.at], &patch.geometry).unwrap_or_default();
         let text = unshared_text(&format!("patch \"{}\"", patch.name.value), &found, at.first().unwrap_or(&found.at));
-        let warning = builder.warning("E023", text, patch.geometry.at).with_help(UNSHARED);
-        builder.faults.push(warning);
+        let warning = context.warning("E023", text, patch.geometry.at).with_help(UNSHARED);
+        context.faults.push(warning);
     }
 }
 

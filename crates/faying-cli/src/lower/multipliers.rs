@@ -1,12 +1,12 @@
 //! Multiplier spaces named or given by the case, and their diagnostics.
 
-use super::builder::Builder;
+use super::lower_context::LowerContext;
 use super::places::Places;
 use crate::case::Multiplier;
 use crate::errors::Diagnostic;
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 use crate::registry::is_glue;
-use crate::words::component_name;
+use crate::text_format::component_name;
 use faying::coupling::multiplier::{MultiplierError, MultiplierKind, has_triangles};
 use faying::problem::{self, Contents, Problem, SideView, Statement};
 use std::sync::Arc;
@@ -16,12 +16,12 @@ pub(super) const FULL: &str = "p/p";
 
 /// Returns the multiplier `wanted` by the case.
 pub(super) fn multiplier<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     wanted: &Located<Multiplier>,
 ) -> Result<problem::Multiplier<S, N>, Box<Diagnostic>> {
     match &wanted.value {
         Multiplier::Named(word) => {
-            builder.names.multipliers.get(word).cloned().map_err(|unknown| Box::new(builder.error("E064", unknown.to_string(), wanted.at)))
+            context.names.multipliers.get(word).cloned().map_err(|unknown| Box::new(context.error("E064", unknown.to_string(), wanted.at)))
         }
         Multiplier::Data { degree, continuity, ends } => {
             Ok(MultiplierKind::Uniform { degree: *degree, continuity: *continuity, ends: *ends }.into())
@@ -31,7 +31,7 @@ pub(super) fn multiplier<const S: usize, const N: usize>(
 
 /// Returns a warning (E061) if the multiplier `wanted` by the case is unstable, or is the unstable pairing p/p-k (p, k) under another name.
 pub(super) fn unstable<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     name: &str,
     slave: &SideView<S, N>,
     wanted: &Located<Multiplier>,
@@ -63,16 +63,16 @@ pub(super) fn unstable<const S: usize, const N: usize>(
             }
         }
     };
-    Some(builder.warning("E061", text, wanted.at).with_help(stable_help(slave)))
+    Some(context.warning("E061", text, wanted.at).with_help(stable_help(slave)))
 }
 
 /// Warns of unstable multipliers of ties.
-pub(super) fn check<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, contents: &Contents<'_, S, N>) {
-    let ties = builder.case.interfaces.iter().filter(|t| !is_glue(&t.coupling.value));
+pub(super) fn check<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, contents: &Contents<'_, S, N>) {
+    let ties = context.case.interfaces.iter().filter(|t| !is_glue(&t.coupling.value));
     for (read, tie) in ties.zip(contents.ties()) {
         for slave in tie.sides().iter().filter(|slave| !slave.multipliers().is_empty()) {
-            let found = unstable(builder, tie.name(), slave.side(), &read.multiplier, slave.unstable());
-            builder.faults.items.extend(found);
+            let found = unstable(context, tie.name(), slave.side(), &read.multiplier, slave.unstable());
+            context.faults.items.extend(found);
         }
     }
 }
@@ -103,16 +103,16 @@ fn more_elements<const S: usize, const N: usize>(side: &SideView<S, N>) -> Strin
 
 /// Builds the diagnostic of a multiplier that cannot be built.
 pub(super) fn multiplier_fault<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     name: &str,
     slave: &SideView<S, N>,
     error: &MultiplierError,
-    at: Place,
+    at: SourceSpan,
     components: usize,
 ) -> Diagnostic {
     match error {
         MultiplierError::NoDual { .. } => {
-            builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label()), at).with_help(positive_help(slave))
+            context.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label()), at).with_help(positive_help(slave))
         }
         MultiplierError::NothingLeft { .. } | MultiplierError::NothingLeftAtEdge { .. } | MultiplierError::NothingFree => {
             let at_what = if S == 1 { "an end" } else { "an edge" };
@@ -120,35 +120,35 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
                 name if name == FULL => String::new(),
                 name => format!(", or take {name}"),
             };
-            builder
+            context
                 .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at {at_what}: {error}", slave.label()), at)
                 .with_help(more_elements(slave) + &or)
         }
         MultiplierError::TooMany { component, multipliers, free } => {
             let direction = format!("component {}", component_name(*component, components));
-            too_many(builder, name, slave, &direction, (*multipliers, *free), at)
+            too_many(context, name, slave, &direction, (*multipliers, *free), at)
         }
         MultiplierError::Revolution => {
-            builder.error("E019", format!("\"{name}\" on `{}`: {error}", slave.label()), at).with_help(positive_help(slave))
+            context.error("E019", format!("\"{name}\" on `{}`: {error}", slave.label()), at).with_help(positive_help(slave))
         }
-        _ => builder.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label()), at),
+        _ => context.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label()), at),
     }
 }
 
 /// E024 for more functions of a multiplier than free unknowns in a direction.
 pub(super) fn too_many<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     name: &str,
     slave: &SideView<S, N>,
     direction: &str,
     (multipliers, free): (usize, usize),
-    at: Place,
+    at: SourceSpan,
 ) -> Diagnostic {
     let text = format!(
         "the multiplier of \"{name}\" on `{}` is over-constrained: {direction} has {multipliers} functions for {free} free unknowns",
         slave.label()
     );
-    builder.error("E024", text, at).with_help(more_elements(slave) + ", or take a multiplier of lower degree")
+    context.error("E024", text, at).with_help(more_elements(slave) + ", or take a multiplier of lower degree")
 }
 
 /// Help text for a side that conditions hold in one of `components`, naming them; `None` if there are none. Obstacles, which have no side,

@@ -1,58 +1,58 @@
 //! Bodies: the net of a patch, its elements, its space, its material.
 
-use super::builder::Builder;
+use super::lower_context::LowerContext;
 use super::materials::material as material_at;
 use super::places::{Places, Said};
 use crate::case::{self, Patch};
 use crate::errors::Diagnostic;
 use crate::place::Located;
-use crate::shapes::MakeNet;
+use crate::shapes::MakeControlNet;
 use faying::physics::Assumption;
 use faying::problem::{BodyMaterial, BodySpec, Changing, Physics, Problem, ProblemError};
 use faying::space::{Body, Dimension, PatchSpec, Trace, divided};
 use std::sync::Arc;
 
-/// Says all bodies of the case, with their sources, weights and foundations; errors go to the builder's faults.
+/// Says all bodies of the case, with their sources, weights and foundations; errors go to the context's faults.
 pub(super) fn say<const S: usize, const N: usize>(
-    builder: &mut Builder<'_, S, N>,
-    net: MakeNet<N>,
+    context: &mut LowerContext<'_, S, N>,
+    net: MakeControlNet<N>,
     problem: &mut Problem<S, N>,
     places: &mut Places,
 ) where
     Trace<S, N>: Dimension<S, N>,
 {
-    for k in 0..builder.case.patches.len() {
-        if let Err(fault) = one(builder, k, net, problem, places) {
-            builder.faults.push(*fault);
+    for k in 0..context.case.patches.len() {
+        if let Err(fault) = one(context, k, net, problem, places) {
+            context.faults.push(*fault);
         }
     }
 }
 
 fn one<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     number: usize,
-    net: MakeNet<N>,
+    net: MakeControlNet<N>,
     problem: &mut Problem<S, N>,
     places: &mut Places,
 ) -> Result<(), Box<Diagnostic>>
 where
     Trace<S, N>: Dimension<S, N>,
 {
-    let case = builder.case;
+    let case = context.case;
     let patch = &case.patches[number];
     let backend = &patch.discretization.backend;
-    let spec = specification(builder, patch, net)?;
+    let spec = specification(context, patch, net)?;
     let body = match &spec {
-        Some(spec) => of_spec(builder, patch, spec, backend)?,
-        None => super::meshes::body(builder, patch)?,
+        Some(spec) => of_spec(context, patch, spec, backend)?,
+        None => super::meshes::body(context, patch)?,
     };
     let material = &case.materials[patch.material.value];
     let assumption = case.model.assumption.value;
     let first_time = case.times(false)[0];
     let law = match &material.law {
-        Some(law) => of_law(builder, &material.name.value, law)?,
+        Some(law) => of_law(context, &material.name.value, law)?,
         None => {
-            let refused = |e| builder.error("E053", format!("material \"{}\": {e}", material.name.value), material.place_of(&e));
+            let refused = |e| context.error("E053", format!("material \"{}\": {e}", material.name.value), material.place_of(&e));
             let first = material_at(material, assumption, first_time).map_err(refused)?;
             if material.changes() { BodyMaterial::Changing(changing(material, assumption)) } else { BodyMaterial::Constant(first) }
         }
@@ -65,7 +65,7 @@ where
         backend: backend.value.clone(),
         ..BodySpec::new(&patch.name.value, body.into(), law)
     };
-    let refused = |at| move |error: ProblemError| Box::new(builder.error("E015", error.to_string(), at));
+    let refused = |at| move |error: ProblemError| Box::new(context.error("E015", error.to_string(), at));
     let id = problem.add(spec).map_err(refused(patch.head.at))?;
     places.bodies.push(id);
     places.keep(id.into(), Said { at: patch.head.at, ..Said::default() });
@@ -96,17 +96,17 @@ fn changing<const N: usize>(material: &case::Material, assumption: Assumption) -
 
 /// A material of the registry, made for all times of the case.
 fn of_law<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     material: &str,
     law: &Located<case::Law>,
 ) -> Result<BodyMaterial<N>, Box<Diagnostic>> {
-    let entry = builder.names.materials.get(&law.name).map_err(|e| builder.error("E015", e.to_string(), law.at))?;
-    let refused = |code: &'static str, text: &str| Box::new(builder.error(code, format!("material \"{material}\": {text}"), law.at));
+    let entry = context.names.materials.get(&law.name).map_err(|e| context.error("E015", e.to_string(), law.at))?;
+    let refused = |code: &'static str, text: &str| Box::new(context.error(code, format!("material \"{material}\": {text}"), law.at));
     let changes = law.given.depends_on_time();
     let mut first = None;
-    for &t in builder.case.times(changes) {
+    for &t in context.case.times(changes) {
         let made = (entry.make)(&law.given, t).map_err(|fault| refused(fault.code, &fault.message))?;
-        let (found, wanted) = (made.components(), builder.case.model.components());
+        let (found, wanted) = (made.components(), context.case.model.components());
         if found != wanted {
             return Err(refused("E015", &format!("law \"{}\" has {found} components of the unknown, the physics has {wanted}", law.name)));
         }
@@ -121,35 +121,35 @@ fn of_law<const S: usize, const N: usize>(
 
 /// The body of a specification.
 fn of_spec<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     patch: &Patch,
     spec: &PatchSpec<N>,
     backend: &Located<String>,
 ) -> Result<Box<dyn Body<S, N>>, Box<Diagnostic>> {
     let name = &patch.name.value;
-    let make = builder.names.backends.get(&backend.value).map_err(|e| builder.error("E015", e.to_string(), backend.at))?;
+    let make = context.names.backends.get(&backend.value).map_err(|e| context.error("E015", e.to_string(), backend.at))?;
     make(spec).map_err(|fault| {
         let at = match fault.code {
             "E041" => patch.geometry.at,
             _ if fault.key == "elements" => patch.elements.at,
             _ => patch.discretization.degree.at,
         };
-        Box::new(builder.error(fault.code, format!("patch \"{name}\": {}", fault.message), at))
+        Box::new(context.error(fault.code, format!("patch \"{name}\": {}", fault.message), at))
     })
 }
 
 /// Returns the specification of a patch for a backend; `None` for meshes that are read from files.
 pub(crate) fn specification<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     patch: &Patch,
-    net: MakeNet<N>,
+    net: MakeControlNet<N>,
 ) -> Result<Option<PatchSpec<N>>, Box<Diagnostic>> {
     if patch.geometry.shape.mesh_part().is_some() {
         return Ok(None);
     }
     let name = &patch.name.value;
     let net = net(&patch.geometry.value)
-        .map_err(|fault| builder.error(fault.code, format!("geometry of patch \"{name}\": {fault}"), patch.geometry.at))?;
+        .map_err(|fault| context.error(fault.code, format!("geometry of patch \"{name}\": {fault}"), patch.geometry.at))?;
     let d = &patch.discretization;
     let mut lists: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
     for (k, list) in lists.iter_mut().enumerate() {
@@ -157,7 +157,7 @@ pub(crate) fn specification<const S: usize, const N: usize>(
         let grading = patch.grade.as_ref().and_then(|g| g.value.get(k).copied().flatten());
         let divisions = &patch.elements.value[k];
         *list = divided(own, &divisions.value, grading, patch.refine.value)
-            .map_err(|e| builder.error("E015", format!("elements of patch \"{name}\": {e}"), divisions.at))?;
+            .map_err(|e| context.error("E015", format!("elements of patch \"{name}\": {e}"), divisions.at))?;
     }
     let mut spec = PatchSpec::new(net).with_breakpoints(lists);
     spec.degree = std::array::from_fn(|k| d.degree.value[k.min(d.degree.value.len() - 1)]);

@@ -1,7 +1,7 @@
 //! Places of the statements of a problem in the text of its case.
 
 use crate::formula::Formula;
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 use faying::problem::{BodyId, Statement};
 use std::collections::HashMap;
 
@@ -9,11 +9,11 @@ use std::collections::HashMap;
 #[derive(Clone, Debug, Default)]
 pub struct Said {
     /// Place in the case.
-    pub at: Place,
+    pub at: SourceSpan,
     /// The `[[boundary]]`, `[[interface]]` or `[[contact]]` block.
     pub block: Option<usize>,
     /// Places of its slave sides.
-    pub slaves: Vec<Place>,
+    pub slaves: Vec<SourceSpan>,
     /// Name of its data in messages: "the traction".
     pub what: &'static str,
     /// Its formulas, one per component, or one.
@@ -40,7 +40,7 @@ impl Places {
     }
 
     /// Place of a statement.
-    pub fn at(&self, statement: Statement) -> Place {
+    pub fn at(&self, statement: Statement) -> SourceSpan {
         self.said.get(&statement).map(|s| s.at).unwrap_or_default()
     }
 

@@ -1,6 +1,6 @@
 //! Sides of bodies by their references in the case, each built once.
 
-use super::builder::Builder;
+use super::lower_context::LowerContext;
 use super::places::Places;
 use crate::case::{Case, SideRef, alias, quoted};
 use crate::errors::Diagnostic;
@@ -11,25 +11,25 @@ use std::sync::Arc;
 
 /// Looks up a side of a reference.
 pub(super) fn side<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     problem: &mut Problem<S, N>,
     places: &Places,
     wanted: &Located<SideRef>,
 ) -> Result<Arc<SideView<S, N>>, Box<Diagnostic>> {
     let body = places.bodies[wanted.value.patch];
-    problem.side(body.side(&wanted.value.side)).map_err(|error| Box::new(refused(builder, problem, &error, wanted)))
+    problem.side(body.side(&wanted.value.side)).map_err(|error| Box::new(refused(context, problem, &error, wanted)))
 }
 
 /// The diagnostic of a side that a problem refuses.
 pub(super) fn refused<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     problem: &Problem<S, N>,
     error: &ProblemError,
     wanted: &Located<SideRef>,
 ) -> Diagnostic {
     match (&error.kind, problem.bodies().nth(wanted.value.patch)) {
-        (ErrorKind::Side(of_side), Some(body)) => side_fault(builder, &body, of_side, wanted),
-        _ => builder.error("E015", error.to_string(), wanted.at),
+        (ErrorKind::Side(of_side), Some(body)) => side_fault(context, &body, of_side, wanted),
+        _ => context.error("E015", error.to_string(), wanted.at),
     }
 }
 
@@ -43,12 +43,12 @@ pub(super) fn names(case: &Case, patch: usize) -> SideNames {
 }
 
 pub(super) fn side_fault<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     body: &BodyView<'_, S, N>,
     error: &SideError,
     wanted: &Located<SideRef>,
 ) -> Diagnostic {
-    let part = builder.case.patches[wanted.value.patch].geometry.shape.mesh_part();
+    let part = context.case.patches[wanted.value.patch].geometry.shape.mesh_part();
     let sides = part.map_or_else(|| body.body().sides(), |p| p.outer_tags().into_iter().map(quoted).collect());
     let patch = body.name();
     let known = match (part.is_some(), sides.is_empty()) {
@@ -59,7 +59,7 @@ pub(super) fn side_fault<const S: usize, const N: usize>(
         _ => format!("sides of \"{patch}\" are {}", sides.join(", ")),
     };
     match error {
-        SideError::Unknown { .. } => builder.error("E021", format!("there is no side `{patch}.{}`; {known}", wanted.value.side), wanted.at),
-        other => builder.error("E021", format!("`{patch}.{}`: {other}", wanted.value.side), wanted.at).with_help(known),
+        SideError::Unknown { .. } => context.error("E021", format!("there is no side `{patch}.{}`; {known}", wanted.value.side), wanted.at),
+        other => context.error("E021", format!("`{patch}.{}`: {other}", wanted.value.side), wanted.at).with_help(known),
     }
 }

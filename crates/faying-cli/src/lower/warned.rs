@@ -1,15 +1,15 @@
 //! Diagnostics of warnings that are found while a case is built.
 
-use super::builder::Builder;
+use super::lower_context::LowerContext;
 use super::places::Places;
 use crate::case::alias;
 use crate::errors::Diagnostic;
-use crate::words::{component_name, coordinates, place, short, time_text};
+use crate::text_format::{component_name, coordinates, place, short, time_text};
 use faying::problem::{Subject, SubjectKind, Warning};
 
-/// Adds the diagnostics of warnings to the builder's faults.
+/// Adds the diagnostics of warnings to the context's faults.
 pub(super) fn tell<'w, const S: usize, const N: usize>(
-    builder: &mut Builder<'_, S, N>,
+    context: &mut LowerContext<'_, S, N>,
     places: &Places,
     found: impl Iterator<Item = &'w Warning>,
 ) {
@@ -20,33 +20,33 @@ pub(super) fn tell<'w, const S: usize, const N: usize>(
                 let text = format!(
                     "component {} is prescribed as {} on `{a}`{line} and as {} on `{b}` at their common point ({}{}), where the bodies are \
                      tied: the interface has to carry the jump",
-                    component_name(*component, builder.case.components()),
+                    component_name(*component, context.case.components()),
                     short(*u),
                     short(*v),
                     coordinates(x),
-                    time_text(builder.case.steps.value.len() > 1, *t)
+                    time_text(context.case.steps.value.len() > 1, *t)
                 );
-                let warning = builder.warning("E052", text, places.at(of[1]));
+                let warning = context.warning("E052", text, places.at(of[1]));
                 Some(warning.with_help("make the values equal there, or prescribe one of them"))
             }
-            Warning::Overlap { .. } => overlap(builder, warning),
-            Warning::TooFewFunctions { .. } => too_few_functions(builder, warning),
+            Warning::Overlap { .. } => overlap(context, warning),
+            Warning::TooFewFunctions { .. } => too_few_functions(context, warning),
             _ => None,
         };
-        builder.faults.items.extend(diagnostic);
+        context.faults.items.extend(diagnostic);
     }
 }
 
 /// Help that names sides which face each other.
-pub(super) fn meant<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, sides: &[(usize, String); 2]) -> String {
-    let [a, b] = sides.each_ref().map(|(patch, side)| format!("{}.{}", builder.case.patches[*patch].name.value, alias(side, N)));
+pub(super) fn meant<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, sides: &[(usize, String); 2]) -> String {
+    let [a, b] = sides.each_ref().map(|(patch, side)| format!("{}.{}", context.case.patches[*patch].name.value, alias(side, N)));
     format!("their normals must oppose; `{a}` on `{b}` would face each other: were these meant?")
 }
 
 /// E023 of an overlap.
-fn overlap<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, found: &Warning) -> Option<Diagnostic> {
+fn overlap<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, found: &Warning) -> Option<Diagnostic> {
     let Warning::Overlap { of, slave, masters, depth, x, by_formula, meant: better } = found else { return None };
-    let contact = &builder.case.contacts[of.number];
+    let contact = &context.case.contacts[of.number];
     let bodies: Vec<String> = masters.iter().map(|label| format!("`{label}`")).collect();
     let (opponent, help) = match bodies.as_slice() {
         [] => (
@@ -58,24 +58,24 @@ fn overlap<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, found: &
     let by = if *by_formula { " by the formula of `gap`" } else { "" };
     let text = format!("`{slave}` lies {} deep in {opponent}{by} (at {}): more than half of a body's thickness", short(*depth), place(x));
     let at = if *by_formula { contact.gap.at } else { contact.head.at };
-    let fault = builder.error("E023", text, at);
+    let fault = context.error("E023", text, at);
     Some(match better {
-        Some(sides) => fault.with_help(meant(builder, sides)),
+        Some(sides) => fault.with_help(meant(context, sides)),
         None if *by_formula => fault.with_help("`gap` is a length: g is the distance of the sides, \"g - 0.001\" a press fit"),
         None => fault.with_help(help),
     })
 }
 
 /// E024 of a multiplier with too few functions.
-fn too_few_functions<const S: usize, const N: usize>(builder: &Builder<'_, S, N>, found: &Warning) -> Option<Diagnostic> {
+fn too_few_functions<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, found: &Warning) -> Option<Diagnostic> {
     let Warning::TooFewFunctions { of: Subject { kind, number, name }, slave, slave_body, functions, body, motions } = found else {
         return None;
     };
     let (along, at) = match kind {
-        SubjectKind::Contact => (" along the normal", builder.case.contacts[*number].multiplier.at),
-        _ => (" per component", builder.case.interfaces.iter().find(|t| t.name.value == *name)?.multiplier.at),
+        SubjectKind::Contact => (" along the normal", context.case.contacts[*number].multiplier.at),
+        _ => (" per component", context.case.interfaces.iter().find(|t| t.name.value == *name)?.multiplier.at),
     };
-    let closed = if builder.case.contacts.is_empty() { "" } else { ", even with every contact closed" };
+    let closed = if context.case.contacts.is_empty() { "" } else { ", even with every contact closed" };
     let number = if *functions == 1 { "one function".to_string() } else { format!("{functions} functions") } + along;
     let text = format!(
         "the multiplier of \"{name}\" on `{slave}` has too few functions ({number}) to hold body \"{}\", which can still move: {}{closed}",
@@ -84,5 +84,5 @@ fn too_few_functions<const S: usize, const N: usize>(builder: &Builder<'_, S, N>
     );
     let help =
         format!("give patch \"{}\" more elements along `{slave}`, or take a multiplier with more functions, such as p/p", slave_body.name);
-    Some(builder.error("E024", text, at).with_help(help))
+    Some(context.error("E024", text, at).with_help(help))
 }

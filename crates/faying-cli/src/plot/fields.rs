@@ -2,7 +2,7 @@
 
 use super::frame::{axes, bar, outline};
 use super::sample::{Drawn, boxes, division, divisions, sampled};
-use super::simplify::{PIECES, Piece, chained, few_lines, joined, straightened};
+use super::simplify::{PIECES, ShadedPolygon, chained, few_lines, joined, straightened};
 use super::{GREY, INK, PlotError, Root, document, shortened, stroke, text, units};
 use crate::table::short;
 use faying::geometry::Bounds;
@@ -300,7 +300,7 @@ pub(super) fn overlapping(corners: &[[f64; 2]], by: f64) -> Vec<[f64; 2]> {
 
 /// The outline of quadrilaterals in a row, whose second and third corners are next to the first and fourth of the following one; of one
 /// piece of any shape its corners.
-fn around_row(pieces: &[Piece]) -> Vec<[f64; 2]> {
+fn around_row(pieces: &[ShadedPolygon]) -> Vec<[f64; 2]> {
     let first = &pieces[0].0;
     if pieces.len() == 1 {
         return first.clone();

@@ -3,7 +3,7 @@
 use super::sample::Drawn;
 
 /// Corners and value of a piece.
-pub(super) type Piece = (Vec<[f64; 2]>, f64);
+pub(super) type ShadedPolygon = (Vec<[f64; 2]>, f64);
 
 /// Most pieces of a view.
 pub(super) const PIECES: usize = 9000;
@@ -14,7 +14,7 @@ const LINES: usize = 6000;
 ///
 /// Groups are cut in the middle of the longer extent of their centres, the widest group first, so the area decides and not
 /// the number of pieces.
-pub(super) fn joined(pieces: Vec<Piece>, most: usize) -> Vec<Piece> {
+pub(super) fn joined(pieces: Vec<ShadedPolygon>, most: usize) -> Vec<ShadedPolygon> {
     let most = most.max(1);
     if pieces.len() <= most {
         return pieces;
@@ -184,7 +184,7 @@ mod tests {
     fn many_pieces_become_few_that_cover_the_same() {
         let n = 200;
         let at = |i: usize| i as f64 / n as f64;
-        let pieces: Vec<Piece> = (0..n * n)
+        let pieces: Vec<ShadedPolygon> = (0..n * n)
             .map(|k| (k % n, k / n))
             .map(|(i, j)| (vec![[at(i), at(j)], [at(i + 1), at(j)], [at(i + 1), at(j + 1)], [at(i), at(j + 1)]], at(i)))
             .collect();

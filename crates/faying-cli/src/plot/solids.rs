@@ -59,13 +59,13 @@ impl Camera {
 }
 
 /// A piece of a face: corners as the camera sees them, the value in its middle, and which of its sides are element edges.
-pub(super) struct Piece {
+pub(super) struct SolidPiece {
     pub corners: Vec<[f64; 3]>,
     pub value: f64,
     pub edges: Vec<bool>,
 }
 
-impl Piece {
+impl SolidPiece {
     fn depth(&self) -> f64 {
         self.corners.iter().map(|c| c[2]).sum::<f64>() / self.corners.len() as f64
     }
@@ -156,7 +156,7 @@ pub(super) fn middle(corners: &[[f64; 2]]) -> [f64; 2] {
 }
 
 /// Pieces of a face that the camera sees from outside; `m` per direction.
-fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face, m: usize, camera: &Camera) -> Vec<Piece> {
+fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face, m: usize, camera: &Camera) -> Vec<SolidPiece> {
     let field = &part.fields[field];
     let mut table = MapTable::new();
     let simplex = face.corners.len() == 3;
@@ -196,7 +196,7 @@ fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face
         let corners: Vec<[f64; 3]> = table.x[range].iter().map(|x| camera.see(x)).collect();
         if seen[k] && corners.iter().flatten().all(|v| v.is_finite()) {
             let value = values.get(k * field.components + plot.component).copied().unwrap_or(f64::NAN);
-            out.push(Piece { corners, value, edges });
+            out.push(SolidPiece { corners, value, edges });
         }
     }
     out
@@ -212,12 +212,12 @@ pub fn solids(plot: &FieldPlot<'_>, parts: &[Part<'_, 3, 3>]) -> Result<String, 
     let count = faces.iter().map(Vec::len).sum::<usize>().max(1);
     // about half of the faces look away
     let m = ((2 * PIECES) as f64 / count as f64).sqrt().floor().clamp(1.0, FINEST as f64) as usize;
-    let mut all: Vec<Piece> = Vec::new();
+    let mut all: Vec<SolidPiece> = Vec::new();
     for (part, faces) in parts.iter().zip(&faces) {
         let field = part.fields.iter().position(|f| f.name == plot.field && plot.component < f.components);
         let lacks = || PlotError::NoField { part: part.name.clone(), field: plot.field.to_owned(), component: plot.component };
         let field = field.ok_or_else(lacks)?;
-        let made: Vec<Vec<Piece>> = faces.par_iter().map(|f| pieces(plot, part, field, f, m, &camera)).collect();
+        let made: Vec<Vec<SolidPiece>> = faces.par_iter().map(|f| pieces(plot, part, field, f, m, &camera)).collect();
         all.extend(made.into_iter().flatten());
     }
     if all.is_empty() {
@@ -233,7 +233,7 @@ pub(super) fn fineness(faces: usize) -> usize {
 }
 
 /// Draws pieces in any order.
-pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<Piece>, scale: &Scale, camera: &Camera) -> Result<String, PlotError> {
+pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<SolidPiece>, scale: &Scale, camera: &Camera) -> Result<String, PlotError> {
     // nearest last; equal depths keep their order
     all.sort_by(|a, b| a.depth().total_cmp(&b.depth()));
     let corners = || all.iter().flat_map(|p| &p.corners);
@@ -250,7 +250,7 @@ pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<Piece>, scale: &Scale, cam
         root.draw(&Text::new(title, (units(left), units(16.0)), text(17.0, INK, HPos::Left, VPos::Top)))?;
         let words = scale.words(plot.label);
         root.draw(&Text::new(words, (units(left), units(42.0)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
-        let polygon = |p: &Piece| p.corners.iter().map(pixel).map(|p| (units(p[0]), units(p[1]))).collect::<Vec<_>>();
+        let polygon = |p: &SolidPiece| p.corners.iter().map(pixel).map(|p| (units(p[0]), units(p[1]))).collect::<Vec<_>>();
         if all.len() <= 2 * PIECES {
             let mut strokes: Vec<(f64, Vec<(i32, i32)>)> = Vec::new();
             for piece in &all {
@@ -299,7 +299,7 @@ pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<Piece>, scale: &Scale, cam
 }
 
 /// Squares of the drawing with the value of the nearest piece whose middle or corners lie in them; pieces come from far to near.
-fn raster(all: &[Piece], pixel: &dyn Fn(&[f64; 3]) -> [f64; 2]) -> BTreeMap<[i64; 2], f64> {
+fn raster(all: &[SolidPiece], pixel: &dyn Fn(&[f64; 3]) -> [f64; 2]) -> BTreeMap<[i64; 2], f64> {
     let mut squares = BTreeMap::new();
     for piece in all {
         let points: Vec<[f64; 2]> = piece.corners.iter().map(pixel).collect();

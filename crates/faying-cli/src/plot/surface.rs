@@ -1,7 +1,7 @@
 //! `interface_NAME.svg` of a surface: the side seen along its mean normal, coloured by a number of its multiplier, with element edges.
 
 use super::fields::Scale;
-use super::solids::{Camera, Piece, divided, draw, fineness, middle};
+use super::solids::{Camera, SolidPiece, divided, draw, fineness, middle};
 use super::{FieldPlot, PlotError};
 use faying::basis::{Cell, Order};
 use faying::geometry::{MapTable, cell};
@@ -33,7 +33,7 @@ pub fn surface(plot: &FieldPlot<'_>, shown: Shown, part: &Part<'_, 2, 3>) -> Res
             let corners: Vec<[f64; 3]> = places.by_ref().take(c.len()).collect();
             let value = values.get(k * field.components..(k + 1) * field.components).map_or(f64::NAN, shown);
             if corners.iter().flatten().all(|v| v.is_finite()) {
-                all.push(Piece { corners, value, edges });
+                all.push(SolidPiece { corners, value, edges });
             }
         }
     }

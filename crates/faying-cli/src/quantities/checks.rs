@@ -7,7 +7,7 @@ use super::prepare::{Prepared, Preparer};
 use crate::case::{Case, Check, Condition};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::formula::Formula;
-use crate::lower::Built;
+use crate::lower::LoweredCase;
 use crate::place::Located;
 use crate::result::{CheckReport, ProbeReport, RunResult};
 use faying::problem::Solution;
@@ -47,7 +47,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
     ///
     /// # Errors
     /// E015, E018, E019, E021, E022, E062 at their places.
-    pub fn of(case: &Case, model: &Built<S, N>, skeleton: &Value) -> Result<Self, Diagnostics> {
+    pub fn of(case: &Case, model: &LoweredCase<S, N>, skeleton: &Value) -> Result<Self, Diagnostics> {
         // probes are answered before checks: checks may name them, probes neither probes nor checks
         let answered: Vec<Value> = case.probes.iter().map(|p| json!({ "name": p.name.value, "value": 0.0 })).collect();
         let mut with_probes = skeleton.clone();
@@ -120,7 +120,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         let mut reports = Vec::with_capacity(case.checks.len());
         for ((check, prepared), values) in case.checks.iter().zip(&self.checks).zip(&self.values) {
             let mut report = undecided(check);
-            let elsewhere = check.backend.as_ref().filter(|b| result.backends.0.iter().any(|(_, used)| *used != b.value));
+            let elsewhere = check.backend.as_ref().filter(|b| result.backends.iter().any(|(_, used)| *used != b.value));
             let answer = answered(prepared);
             // after a run there is no study that could decide it later
             let later = answer == Answer::Study && result.command != "run";

@@ -1,6 +1,6 @@
 //! Elements of a model's patches by points.
 
-use crate::lower::Built;
+use crate::lower::LoweredCase;
 use faying::geometry::{Bounds, Embedded, Embedding, closest_point};
 use faying::linalg::{Matrix, Vector};
 use faying::problem::Contents;
@@ -20,13 +20,13 @@ pub struct Spot<const N: usize> {
 /// Finds elements of the patches of a model by points; the search structure of a patch is built when first used.
 #[derive(Debug)]
 pub struct Locators<'a, const S: usize, const N: usize> {
-    built: &'a Built<S, N>,
+    built: &'a LoweredCase<S, N>,
     each: Vec<OnceCell<Locator<N, Arc<dyn Space<N, N>>>>>,
 }
 
 impl<'a, const S: usize, const N: usize> Locators<'a, S, N> {
     /// For the bodies of `built`.
-    pub fn new(built: &'a Built<S, N>) -> Self {
+    pub fn new(built: &'a LoweredCase<S, N>) -> Self {
         Self { built, each: built.system.contents().bodies().map(|_| OnceCell::new()).collect() }
     }
 

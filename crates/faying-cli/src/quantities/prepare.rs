@@ -6,7 +6,7 @@ use super::path::{known, look_up};
 use crate::case::{Case, Multiplier, canonical};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
-use crate::place::Place;
+use crate::place::SourceSpan;
 use crate::shapes::named_point;
 use faying::geometry::ClosestPoint;
 use faying::linalg::Vector;
@@ -66,7 +66,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Self { case, contents: locators.contents(), locators, skeleton }
     }
 
-    fn fault(&self, code: &'static str, message: String, at: Place) -> Box<Diagnostic> {
+    fn fault(&self, code: &'static str, message: String, at: SourceSpan) -> Box<Diagnostic> {
         Box::new(Diagnostic::error(code, message).at(&self.case.source, at))
     }
 
@@ -75,7 +75,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     /// # Errors
     /// E018 for what is no quantity here, E019 for what is not built, E021 for unknown names, E022 for points outside, E017 for
     /// coordinates.
-    pub fn prepare(&self, text: &str, at: Place, both: bool) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+    pub fn prepare(&self, text: &str, at: SourceSpan, both: bool) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         let quantity = Quantity::parse(text).map_err(|e| {
             let fault = self.fault("E018", format!("`{text}` is no quantity: {e}"), at);
             Box::new(self.suggest(*fault, text))
@@ -117,7 +117,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         }
     }
 
-    fn field_exists(&self, text: &str, field: FieldName, at: Place) -> Result<(), Box<Diagnostic>> {
+    fn field_exists(&self, text: &str, field: FieldName, at: SourceSpan) -> Result<(), Box<Diagnostic>> {
         let scalar = self.contents.components() == 1;
         let wrong = match field {
             FieldName::U(Some(_)) if scalar => Some("u has no components in Poisson problems; write u"),
@@ -133,12 +133,12 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     }
 
     /// Returns the patches that a name stands for: one, or all those of a file.
-    fn bodies(&self, name: &str, at: Place) -> Result<Vec<usize>, Box<Diagnostic>> {
+    fn bodies(&self, name: &str, at: SourceSpan) -> Result<Vec<usize>, Box<Diagnostic>> {
         let found = self.case.find_patches(name);
         if found.is_empty() { Ok(vec![self.patch(name, at)?]) } else { Ok(found) }
     }
 
-    fn patch(&self, name: &str, at: Place) -> Result<usize, Box<Diagnostic>> {
+    fn patch(&self, name: &str, at: SourceSpan) -> Result<usize, Box<Diagnostic>> {
         let names: Vec<&str> = self.contents.bodies().map(|b| b.name()).collect();
         names.iter().position(|n| *n == name).ok_or_else(|| {
             let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
@@ -147,7 +147,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     }
 
     /// Position of a named point of a mesh, in whichever patch has it.
-    fn named_point(&self, text: &str, tag: &str, at: Place) -> Result<Vector<N>, Box<Diagnostic>> {
+    fn named_point(&self, text: &str, tag: &str, at: SourceSpan) -> Result<Vector<N>, Box<Diagnostic>> {
         if let Some(x) = self.case.patches.iter().find_map(|p| named_point::<N>(p, tag)) {
             return Ok(x);
         }
@@ -161,7 +161,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Err(Box::new(fault.with_help(format!("or write at {}", POINT[N - 2]))))
     }
 
-    fn point(&self, text: &str, place: &At, at: Place) -> Result<Vector<N>, Box<Diagnostic>> {
+    fn point(&self, text: &str, place: &At, at: SourceSpan) -> Result<Vector<N>, Box<Diagnostic>> {
         let list = match place {
             At::Point(list) => list,
             At::Tag(tag) => return self.named_point(text, tag, at),
@@ -187,7 +187,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Ok(x)
     }
 
-    fn spot(&self, text: &str, place: &At, bodies: &[usize], at: Place) -> Result<Spot<N>, Box<Diagnostic>> {
+    fn spot(&self, text: &str, place: &At, bodies: &[usize], at: SourceSpan) -> Result<Spot<N>, Box<Diagnostic>> {
         let x = self.point(text, place, at)?;
         let (mut best, mut nearest_body): (Option<(f64, usize, usize, Vector<N>, Vector<N>)>, f64) = (None, f64::INFINITY);
         for &k in bodies {
@@ -218,7 +218,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Ok(Spot { patch, elements: self.locators.around(patch, element, xi, &x) })
     }
 
-    fn side_measure(&self, text: &str, side: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+    fn side_measure(&self, text: &str, side: &str, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         let sides = self.case.find_sides(side);
         if !sides.is_empty() {
             let mut sum = 0.0;
@@ -253,7 +253,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         (!patches.is_empty()).then(|| Prepared::Number(patches.iter().map(of).sum()))
     }
 
-    fn path(&self, text: &str, mut path: Vec<String>, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+    fn path(&self, text: &str, mut path: Vec<String>, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         if path[0] == "reaction" || path[0] == "reactions" {
             path = self.support(path);
         }
@@ -323,7 +323,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     }
 
     /// Leaves the rate of a known quantity, or of a probe by its name, to studies, also if only `exact` is missing for it.
-    fn rate(&self, inner: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+    fn rate(&self, inner: &str, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         if inner.trim_start().starts_with("rate.") {
             return Err(self.fault("E018", "a rate has no rate".to_owned(), at));
         }
@@ -335,7 +335,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     }
 
     // built-in multipliers, and those that the case uses
-    fn beta(&self, text: &str, pairing: &str, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+    fn beta(&self, text: &str, pairing: &str, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         let lowered = pairing.strip_prefix("p/p-").is_some_and(|k| k.parse::<usize>().is_ok_and(|k| (1..=12).contains(&k)));
         let ties = self.case.interfaces.iter().map(|t| &t.multiplier.value);
         let mut used = ties.chain(self.case.contacts.iter().map(|c| &c.multiplier.value));
@@ -417,7 +417,14 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         path
     }
 
-    fn lambda(&self, text: &str, name: &str, component: Option<usize>, place: &At, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+    fn lambda(
+        &self,
+        text: &str,
+        name: &str,
+        component: Option<usize>,
+        place: &At,
+        at: SourceSpan,
+    ) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         let component = match (component, self.contents.components()) {
             (None, 1) => 0,
             (Some(c), n) if n > 1 && c < n => c,
@@ -431,7 +438,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Ok(Prepared::Lambda(self.on_sides(text, &tie, &x, at)?, component))
     }
 
-    fn pressure(&self, text: &str, name: &str, pressure: bool, place: &At, at: Place) -> Result<Prepared<S, N>, Box<Diagnostic>> {
+    fn pressure(&self, text: &str, name: &str, pressure: bool, place: &At, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         let Some(contact) = self.contents.contacts().find(|c| c.name() == name) else {
             let names: Vec<&str> = self.contents.interfaces().map(|of| of.name()).collect();
             let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
@@ -441,7 +448,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Ok(Prepared::Pressure(self.on_sides(text, &contact, &x, at)?, pressure))
     }
 
-    fn on_sides(&self, text: &str, of: &InterfaceView<'_, S, N>, x: &Vector<N>, at: Place) -> Result<SideSpot<S>, Box<Diagnostic>> {
+    fn on_sides(&self, text: &str, of: &InterfaceView<'_, S, N>, x: &Vector<N>, at: SourceSpan) -> Result<SideSpot<S>, Box<Diagnostic>> {
         let mut best: Option<(f64, SideSpot<S>)> = None;
         for (number, slave) in of.sides().into_iter().enumerate() {
             let space = slave.side().trace().space.clone();

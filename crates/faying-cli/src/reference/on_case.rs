@@ -4,9 +4,9 @@ use super::parameters::Parameters;
 use super::stored::{of_cells, of_net, physics_word, same_geometry};
 use crate::case::{self, BASES, CELLS, MAPPINGS};
 use crate::errors::Diagnostic;
-use crate::lower::{Builder, mesh_body, mesh_counts, specification};
+use crate::lower::{LowerContext, mesh_body, mesh_counts, specification};
 use crate::reference::{StoredPatch, StoredRun, StoredSide, weights};
-use crate::shapes::MakeNet;
+use crate::shapes::MakeControlNet;
 use faying::assembly::gauss_rules;
 use faying::basis::{Basis, Cell};
 use faying::coupling::Segments;
@@ -136,21 +136,21 @@ impl<const S: usize> OnSide<S> {
 /// # Errors
 /// E044 for another dimension, E015 where the run is of another problem, of other bodies, or ends at another time.
 pub(crate) fn build<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     contents: &Contents<'_, S, N>,
-    net: MakeNet<N>,
+    net: MakeControlNet<N>,
 ) -> Result<Option<Reference<S, N>>, Box<Diagnostic>>
 where
     Trace<S, N>: InterfaceSide<S, N>,
 {
-    let (Some(run), Some(file)) = (&builder.case.model.stored, &builder.case.model.reference) else { return Ok(None) };
-    let refused = |code: &'static str, text: String| Box::new(builder.error(code, format!("{}: {text}", file.value), file.at));
-    is_same_problem(builder.case, run).map_err(|(code, text)| refused(code, text))?;
+    let (Some(run), Some(file)) = (&context.case.model.stored, &context.case.model.reference) else { return Ok(None) };
+    let refused = |code: &'static str, text: String| Box::new(context.error(code, format!("{}: {text}", file.value), file.at));
+    is_same_problem(context.case, run).map_err(|(code, text)| refused(code, text))?;
     let mut patches = Vec::with_capacity(contents.bodies().len());
-    for (k, words) in builder.case.patches.iter().enumerate() {
+    for (k, words) in context.case.patches.iter().enumerate() {
         let name = &words.name.value;
         let stored = run.patches.iter().find(|p| p.name == *name).expect("the names were compared");
-        let patch = patch(builder, contents, (k, words), stored, net);
+        let patch = patch(context, contents, (k, words), stored, net);
         patches.push(patch.map_err(|text| refused("E015", format!("patch \"{name}\" of the stored run {text}")))?);
     }
     let mut lambda = Vec::new();
@@ -197,16 +197,16 @@ fn value_of<T: Copy>(words: &[(&str, T)], word: &str) -> Result<T, String> {
 }
 
 fn patch<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     contents: &Contents<'_, S, N>,
     (number, words): (usize, &case::Patch),
     stored: &StoredPatch,
-    net: MakeNet<N>,
+    net: MakeControlNet<N>,
 ) -> Result<ReferencePatch<S, N>, String>
 where
     Trace<S, N>: Dimension<S, N>,
 {
-    let own = specification(builder, words, net).map_err(|fault| fault.message)?;
+    let own = specification(context, words, net).map_err(|fault| fault.message)?;
     let geometry = own.as_ref().map_or_else(|| of_cells::<N>(words), of_net);
     if !same_geometry(&geometry, &stored.geometry) {
         return Err("has another geometry; store the run again".into());
@@ -225,7 +225,7 @@ where
             spec.cells = value_of(&CELLS, &stored.cells)?;
             spec.mapping = value_of(&MAPPINGS, &stored.mapping)?;
             enough_for(spec.breakpoints.iter().map(|list| list.len() as f64 - 1.0).product(), stored)?;
-            let make = builder.names.backends.get(&stored.backend).map_err(|e| format!("has an {e}"))?;
+            let make = context.names.backends.get(&stored.backend).map_err(|e| format!("has an {e}"))?;
             let body = make(&spec).map_err(|fault| format!("cannot be made: {fault}"))?;
             (body, Some([Parameters(own.breakpoints), Parameters(spec.breakpoints)]))
         }
@@ -236,7 +236,7 @@ where
             halved.discretization.degree.value = stored.degree.clone();
             let exact = stored.mapping == "exact";
             halved.discretization.mapping.value = if exact { Mapping::Exact } else { Mapping::Isoparametric };
-            (mesh_body(builder, &halved).map_err(|fault| format!("cannot be made: {}", fault.message))?, None)
+            (mesh_body(context, &halved).map_err(|fault| format!("cannot be made: {}", fault.message))?, None)
         }
     };
     let functions = body.space().num_functions();

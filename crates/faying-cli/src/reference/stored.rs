@@ -2,9 +2,9 @@
 
 use crate::case::{self, BASES, BasisKind, CELLS, Case, MAPPINGS};
 use crate::errors::Diagnostics;
-use crate::lower::{Builder, specification};
+use crate::lower::{LowerContext, specification};
 use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, nodes};
-use crate::shapes::{MakeNet, point_of};
+use crate::shapes::{MakeControlNet, point_of};
 use faying::basis::{Basis, Cell, Order, ShapeTable};
 use faying::geometry::Embedding;
 use faying::linalg::Vector;
@@ -30,14 +30,14 @@ fn word<T: PartialEq>(words: &[(&str, T)], value: &T) -> String {
 pub(crate) fn stored_run<const S: usize, const N: usize>(
     case: &Case,
     names: &crate::registry::Names<S, N>,
-    net: MakeNet<N>,
+    net: MakeControlNet<N>,
     solution: &Solution<S, N>,
 ) -> Result<StoredRun, Diagnostics> {
     let (contents, lambda) = (solution.contents(), solution.multipliers());
-    let builder = Builder { case, names, faults: Diagnostics::new() };
+    let context = LowerContext { case, names, faults: Diagnostics::new() };
     let mut patches = Vec::with_capacity(case.patches.len());
     for (body, words) in contents.bodies().zip(&case.patches) {
-        patches.push(stored_patch(&builder, &body, words, net, solution.unknowns()).map_err(|fault| Diagnostics::from(*fault))?);
+        patches.push(stored_patch(&context, &body, words, net, solution.unknowns()).map_err(|fault| Diagnostics::from(*fault))?);
     }
     let mut run = StoredRun {
         version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -67,10 +67,10 @@ pub(crate) fn stored_run<const S: usize, const N: usize>(
 }
 
 fn stored_patch<const S: usize, const N: usize>(
-    builder: &Builder<'_, S, N>,
+    context: &LowerContext<'_, S, N>,
     body: &BodyView<'_, S, N>,
     words: &case::Patch,
-    net: MakeNet<N>,
+    net: MakeControlNet<N>,
     u: &[f64],
 ) -> Result<StoredPatch, Box<crate::errors::Diagnostic>> {
     let mut stored = StoredPatch {
@@ -81,7 +81,7 @@ fn stored_patch<const S: usize, const N: usize>(
         coefficients: u[body.unknowns()].to_vec(),
         ..StoredPatch::default()
     };
-    match specification(builder, words, net)? {
+    match specification(context, words, net)? {
         Some(spec) => {
             stored.geometry = of_net(&spec);
             stored.degree = spec.degree.to_vec();

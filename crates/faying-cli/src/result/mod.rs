@@ -10,8 +10,8 @@ pub use couples::{ContactReport, Extremes, Gaps, GluedSides, InterfaceReport, Kk
 pub use forces::{Balance, LoadReport, Moment};
 pub use solve::{ActiveSetSummary, Prediction, SolveReport, Unknowns};
 
-use super::named::Named;
 use crate::errors::Diagnostic;
+use indexmap::IndexMap;
 use serde::Serialize;
 
 /// Status of a finished command.
@@ -61,13 +61,13 @@ impl Status {
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct GeometryReport {
     /// Area (volume in 3D) of each patch [length^N].
-    pub measure: Named<f64>,
+    pub measure: IndexMap<String, f64>,
     /// Least determinant dx/dxi of the maps from unit cells over all Gauss points, signed by the patch [length^N].
     pub least_jacobian: f64,
     /// Gauss points per direction of the bulk integrals of each patch, the most of its elements; of triangles and tetrahedra one
     /// number, the points of their rule. More than degree + 1 where the map is curved in space, see
     /// [`points_of_curved_cells`](faying::assembly::points_of_curved_cells).
-    pub points: Named<Vec<usize>>,
+    pub points: IndexMap<String, Vec<usize>>,
     /// Elements of all patches.
     pub elements: usize,
     /// Largest diameter of an element \[length\].
@@ -87,7 +87,7 @@ pub struct StepReport {
     /// The probes at its end.
     pub probes: Vec<ProbeReport>,
     /// The contacts at its end.
-    pub contact: Named<ContactReport>,
+    pub contact: IndexMap<String, ContactReport>,
 }
 
 /// The content of `result.json`.
@@ -114,7 +114,7 @@ pub struct RunResult {
     /// The backend, or slave+master where they differ, or "mixed".
     pub backend: String,
     /// The backend of every patch.
-    pub backends: Named<String>,
+    pub backends: IndexMap<String, String>,
     /// Numbers of unknowns.
     pub unknowns: Unknowns,
     /// Size and quality of the bodies.
@@ -129,21 +129,21 @@ pub struct RunResult {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub t: Option<f64>,
     /// Every contact by name.
-    pub contact: Named<ContactReport>,
+    pub contact: IndexMap<String, ContactReport>,
     /// Every tied interface by name.
-    pub interface: Named<InterfaceReport>,
+    pub interface: IndexMap<String, InterfaceReport>,
     /// Reaction force on the body from the support of every side with Dirichlet data \[force\]; a corner's share is split equally
     /// among the sides that hold it.
-    pub reactions: Named<Vec<f64>>,
+    pub reactions: IndexMap<String, Vec<f64>>,
     /// Resultant of the loads of every boundary block, by its name, and of what loads the volume of a patch: `PATCH.body_force` with the
     /// weight, `PATCH.source`.
-    pub loads: Named<LoadReport>,
+    pub loads: IndexMap<String, LoadReport>,
     /// Sum of all forces.
     pub balance: Balance,
     /// 1/2 a(u, u).
     pub energy: f64,
     /// Every error that can be measured, by its quantity.
-    pub errors: Named<f64>,
+    pub errors: IndexMap<String, f64>,
     /// Reason for errors without value, where there is another than that they are not finite.
     #[serde(skip)]
     pub errors_reason: Option<String>,
@@ -179,19 +179,19 @@ impl RunResult {
             exit: 0,
             case: case.into(),
             backend: String::new(),
-            backends: Named::default(),
+            backends: IndexMap::default(),
             unknowns: Unknowns::default(),
             geometry: GeometryReport::default(),
             solve: None,
             predicted: None,
             t: None,
-            contact: Named::default(),
-            interface: Named::default(),
-            reactions: Named::default(),
-            loads: Named::default(),
+            contact: IndexMap::default(),
+            interface: IndexMap::default(),
+            reactions: IndexMap::default(),
+            loads: IndexMap::default(),
             balance: Balance::default(),
             energy: 0.0,
-            errors: Named::default(),
+            errors: IndexMap::default(),
             errors_reason: None,
             probes: Vec::new(),
             checks: Vec::new(),

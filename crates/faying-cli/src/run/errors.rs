@@ -1,13 +1,13 @@
 //! Errors of a solution against exact solutions and multipliers, or against a stored run if there are none.
 
-use crate::lower::Built;
-use crate::named::Named;
+use crate::lower::LoweredCase;
 use crate::reference::{OnSide, Reference, ReferenceLambda};
 use faying::assembly::Errors;
 use faying::problem::{Contents, InterfaceView, LambdaField, Solution, SquaredError};
+use indexmap::IndexMap;
 
 /// Errors that can be measured.
-pub fn error_names<const S: usize, const N: usize>(built: &Built<S, N>) -> Vec<String> {
+pub fn error_names<const S: usize, const N: usize>(built: &LoweredCase<S, N>) -> Vec<String> {
     let mut names = Vec::new();
     let mut add = |name: String| {
         names.push(name.clone());
@@ -41,11 +41,11 @@ fn measured<'a, const S: usize, const N: usize>(
 }
 
 /// Every error that can be measured, by its quantity; NaN where the exact solution is left open.
-pub fn errors<const S: usize, const N: usize>(solution: &Solution<S, N>, reference: Option<&Reference<S, N>>) -> Named<f64> {
-    let mut all = Named::default();
+pub fn errors<const S: usize, const N: usize>(solution: &Solution<S, N>, reference: Option<&Reference<S, N>>) -> IndexMap<String, f64> {
+    let mut all = IndexMap::default();
     let mut add = |name: String, error: f64, exact: f64| {
-        all.push(name.clone(), error);
-        all.push(format!("{name}.rel"), error / exact);
+        all.insert(name.clone(), error);
+        all.insert(format!("{name}.rel"), error / exact);
     };
     let contents = solution.contents();
     let stored = |reference: &Reference<S, N>| {

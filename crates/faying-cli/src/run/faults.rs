@@ -4,10 +4,10 @@ use super::room::MemoryLimit;
 use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::lower::Places;
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 use crate::result::{Prediction, RunResult, Status};
 use crate::run_control::Stop;
-use crate::words::{bytes, place, short};
+use crate::text_format::{bytes, place, short};
 use faying::constraint::SolveError;
 use faying::contact::ContactError;
 use faying::linalg::LinearError;
@@ -154,7 +154,7 @@ pub fn step_fault<const S: usize, const N: usize>(
 }
 
 /// Place of the limit of iterations: all contacts settle together, and the largest counts.
-fn largest_limit(case: &Case) -> Place {
+fn largest_limit(case: &Case) -> SourceSpan {
     let limits = case.contacts.iter().map(|c| &c.active_set.max_iterations);
     limits.rev().max_by_key(|limit| limit.value).map(|limit| limit.at).unwrap_or_default()
 }

@@ -7,8 +7,8 @@ use crate::case::{Case, Linear, Patch};
 use crate::errors::Diagnostic;
 use crate::lower::mesh_counts;
 use crate::registry::is_spline;
-use crate::shapes::MakeNet;
-use crate::words::bytes;
+use crate::shapes::MakeControlNet;
+use crate::text_format::bytes;
 use faying::problem::Sizes;
 
 /// Largest number of unknowns in this version: columns are 32 bits wide.
@@ -23,7 +23,7 @@ struct Forecast {
 }
 
 /// Estimates unknowns, entries and factor of a patch; `None` if its geometry is invalid, which is reported when the body is built.
-fn of_patch<const N: usize>(case: &Case, patch: &Patch, net: MakeNet<N>) -> Option<Sizes> {
+fn of_patch<const N: usize>(case: &Case, patch: &Patch, net: MakeControlNet<N>) -> Option<Sizes> {
     let d = &patch.discretization;
     if let Some(cells) = mesh_counts::<N>(patch) {
         return Some(Sizes::of_mesh(cells, N, d.degree.value.first().copied()?, case.model.components()));
@@ -41,7 +41,7 @@ fn of_patch<const N: usize>(case: &Case, patch: &Patch, net: MakeNet<N>) -> Opti
 }
 
 impl Forecast {
-    fn of<const N: usize>(case: &Case, net: MakeNet<N>) -> Self {
+    fn of<const N: usize>(case: &Case, net: MakeControlNet<N>) -> Self {
         let mut all = Self::default();
         let mut most = 0.0;
         for (k, patch) in case.patches.iter().enumerate() {
@@ -61,7 +61,7 @@ pub fn avoids_factors(case: &Case) -> bool {
 }
 
 /// Returns E081 if `case`, solved with a factor or without, exceeds the memory `room` or the limits of this version.
-pub fn too_large<const N: usize>(case: &Case, net: MakeNet<N>, room: Option<MemoryLimit>, factor: bool) -> Option<Diagnostic> {
+pub fn too_large<const N: usize>(case: &Case, net: MakeControlNet<N>, room: Option<MemoryLimit>, factor: bool) -> Option<Diagnostic> {
     let mut forecast = Forecast::of(case, net);
     if !factor {
         forecast.sizes = forecast.sizes.without_factor();

@@ -6,21 +6,21 @@ mod fields;
 mod forecast;
 mod iteration;
 mod multipliers;
-mod poor;
 mod report;
 mod room;
 mod solver;
+mod warnings;
 
 use faults::{memory_limit, step_fault, stopped};
 use forecast::avoids_factors;
 
-use super::lower::{self, Built, Places};
+use super::lower::{self, LoweredCase, Places};
 use super::output::{Finished, Output, RunOptions, StepOutput};
 use super::quantities::Questions;
 use super::registry::{Names, Registry};
 use super::result::{Prediction, RunResult, Status, StepReport};
 use super::run_control::{Progress, RunControl};
-use super::shapes::{MakeNet, plane_net, solid_net};
+use super::shapes::{MakeControlNet, plane_net, solid_net};
 use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
 use crate::reference::Reference;
@@ -47,7 +47,7 @@ pub struct Solved<const S: usize, const N: usize> {
 /// Names and functions that depend on the dimension.
 struct Dimension<'a, const S: usize, const N: usize> {
     names: &'a Names<S, N>,
-    net: MakeNet<N>,
+    net: MakeControlNet<N>,
     reproduction: Option<multipliers::Reproduction<S, N>>,
     output: MakeOutput<S, N>,
 }
@@ -252,7 +252,7 @@ fn built<const S: usize, const N: usize>(
     dimension: &Dimension<'_, S, N>,
     watch: &RunControl,
     room: Option<MemoryLimit>,
-) -> Result<Built<S, N>, Diagnostics>
+) -> Result<LoweredCase<S, N>, Diagnostics>
 where
     Trace<S, N>: InterfaceSide<S, N>,
 {
@@ -285,7 +285,11 @@ where
 ///
 /// # Errors
 /// E081 if the memory exceeds `room`.
-fn fitting<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, room: Option<MemoryLimit>) -> Result<Prediction, Diagnostics> {
+fn fitting<const S: usize, const N: usize>(
+    case: &Case,
+    model: &LoweredCase<S, N>,
+    room: Option<MemoryLimit>,
+) -> Result<Prediction, Diagnostics> {
     let factor = !avoids_factors(case) || model.system.contents().interfaces().any(|of| !of.is_symmetric());
     let prediction: Prediction = model.system.forecast(factor, case.steps.value.len()).into();
     match room.filter(|room| prediction.memory > room.bytes) {
@@ -415,7 +419,7 @@ impl<const S: usize, const N: usize> Measures<'_, S, N> {
         };
         if let Some(solution) = solution {
             report::fill(result, solution, self.reference, reason);
-            poor::of_solution(case, solution, &mut self.told, result);
+            warnings::of_solution(case, solution, &mut self.told, result);
             result.t = case.has_steps().then_some(t);
             let solved = matches!(failure, None | Some(StepError::Solve(SolveError::Stopped { .. }) | StepError::Free { .. }));
             if solved && !solution.unknowns().iter().chain(solution.multipliers()).all(|v| v.is_finite()) {
@@ -439,5 +443,5 @@ impl<const S: usize, const N: usize> Measures<'_, S, N> {
 
 /// Returns the diagnostic with the step at which it occurred.
 fn at_step(fault: Diagnostic, step: usize, t: f64) -> Diagnostic {
-    Diagnostic { message: format!("step {}, t = {}: {}", step + 1, crate::words::short(t), fault.message), ..fault }
+    Diagnostic { message: format!("step {}, t = {}: {}", step + 1, crate::text_format::short(t), fault.message), ..fault }
 }

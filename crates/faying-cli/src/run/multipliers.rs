@@ -25,13 +25,13 @@ pub fn describe<const S: usize, const N: usize>(
     };
     for tie in contents.ties() {
         let Some(words) = case.interfaces.iter().find(|c| c.name.value == tie.name()) else { continue };
-        if let Some((_, report)) = result.interface.0.iter_mut().find(|(name, _)| name == tie.name()) {
+        if let Some(report) = result.interface.get_mut(tie.name()) {
             report.multiplier = of(&tie, &words.multiplier.value);
         }
     }
     for contact in contents.contacts() {
         let Some(words) = case.contacts.iter().find(|c| c.name.value == contact.name()) else { continue };
-        if let Some((_, report)) = result.contact.0.iter_mut().find(|(name, _)| name == contact.name()) {
+        if let Some(report) = result.contact.get_mut(contact.name()) {
             report.multiplier = of(&contact, &words.multiplier.value);
         }
     }

@@ -3,8 +3,7 @@
 use super::errors::{error_names, errors};
 use super::iteration;
 use crate::case::Case;
-use crate::lower::Built;
-use crate::named::Named;
+use crate::lower::LoweredCase;
 use crate::reference::Reference;
 use crate::result::{
     ActiveSetSummary, Balance, ContactReport, Extremes, Gaps, GeometryReport, InterfaceReport, Kkt, L2, LoadReport, Moment, Norm,
@@ -15,9 +14,10 @@ use faying::problem::{
 };
 use faying::quadrature::{PerElement, Quadrature};
 use faying::space::{diameter, quality};
+use indexmap::IndexMap;
 
 /// The result before anything is solved: all names, all counts, the geometry.
-pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, built: &Built<S, N>) -> RunResult {
+pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, built: &LoweredCase<S, N>) -> RunResult {
     let (mut result, contents) = (RunResult::new(command, &case.source.name), built.system.contents());
     let bodies = || contents.bodies();
     result.backend = backend(&contents);
@@ -46,20 +46,18 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, buil
     result.interface = contents.ties().map(|t| (t.name().to_owned(), tied(&t))).collect();
     let components = contents.components();
     for support in contents.supports() {
-        if result.reactions.get(support.label).is_none() {
-            result.reactions.push(support.label.to_owned(), vec![0.0; components]);
-        }
+        result.reactions.entry(support.label.to_owned()).or_insert_with(|| vec![0.0; components]);
     }
     result.loads = loads::<N>(components, &built.system.no_loads());
     result.balance = Balance { force: vec![0.0; components], moment: (components == N).then(|| moment::<N>([0.0; 3])) };
     for name in error_names(built) {
-        result.errors.push(name, 0.0);
+        result.errors.insert(name, 0.0);
     }
     let active_set = (contents.contacts().len() > 0).then(ActiveSetSummary::default);
     result.solve = Some(SolveReport { active_set, ..Default::default() });
     result.checks_expected = case.checks.len();
     result.warnings.extend(case.warnings.items.iter().chain(&built.warnings.items).cloned());
-    result.warnings.extend(super::poor::of_model(case, built));
+    result.warnings.extend(super::warnings::of_model(case, built));
     result
 }
 
@@ -92,7 +90,7 @@ fn moment<const N: usize>(m: [f64; 3]) -> Moment {
 }
 
 /// The loads of a problem in N dimensions under their names.
-pub fn loads<const N: usize>(components: usize, sums: &[LoadSum]) -> Named<LoadReport> {
+pub fn loads<const N: usize>(components: usize, sums: &[LoadSum]) -> IndexMap<String, LoadReport> {
     let report =
         |r: &Resultant| LoadReport { force: r.force[..components].to_vec(), moment: (components == N).then(|| moment::<N>(r.moment)) };
     sums.iter().map(|s| (s.name.clone(), report(&s.resultant))).collect()
@@ -118,25 +116,23 @@ pub fn fill<const S: usize, const N: usize>(
     });
     result.energy = solution.energy();
     let iterations = solution.active_set().map_or(0, |a| a.iterations);
-    let (mut ties, mut contacts) = (result.interface.0.iter_mut(), result.contact.0.iter_mut());
+    let (mut ties, mut contacts) = (result.interface.values_mut(), result.contact.values_mut());
     for of in contents.interfaces() {
         match of.id() {
             InterfaceId::Tie(tie) => {
-                let (Some((_, report)), Ok(found)) = (ties.next(), solution.tie(tie)) else { continue };
+                let (Some(report), Ok(found)) = (ties.next(), solution.tie(tie)) else { continue };
                 *report = interface_report(std::mem::take(report), found);
             }
             InterfaceId::Contact(contact) => {
-                let (Some((_, report)), Ok(found)) = (contacts.next(), solution.contact(contact)) else { continue };
+                let (Some(report), Ok(found)) = (contacts.next(), solution.contact(contact)) else { continue };
                 *report = ContactReport { multiplier: report.multiplier.take(), ..contact_report(found, iterations) };
             }
         }
     }
-    let mut sums: Named<Vec<f64>> = Named::default();
+    let mut sums: IndexMap<String, Vec<f64>> = IndexMap::default();
     for reaction in solution.reactions() {
-        match sums.0.iter_mut().find(|(label, _)| label == reaction.label()) {
-            Some((_, sum)) => sum.iter_mut().zip(&reaction.force).for_each(|(s, f)| *s += f),
-            None => sums.push(reaction.label().to_owned(), reaction.force.clone()),
-        }
+        let add = |sum: &mut Vec<f64>| sum.iter_mut().zip(&reaction.force).for_each(|(s, f)| *s += f);
+        sums.entry(reaction.label().to_owned()).and_modify(add).or_insert_with(|| reaction.force.clone());
     }
     result.reactions = sums;
     let (components, outside) = (contents.components(), solution.balance());

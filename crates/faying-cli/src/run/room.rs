@@ -2,7 +2,7 @@
 //!
 //! Limits are read from files, where the system has them (Linux); elsewhere there are none.
 
-use crate::words::bytes;
+use crate::text_format::bytes;
 use faying::problem::Forecast;
 use std::path::{Path, PathBuf};
 

@@ -18,4 +18,4 @@ pub(crate) use points::{named_point, placed_points, point_of};
 pub use solid::solid_net;
 
 /// Builds the net of a shape with its transformations in N dimensions.
-pub type MakeNet<const N: usize> = fn(&Geometry) -> Result<ControlNet<N, N>, Fault>;
+pub type MakeControlNet<const N: usize> = fn(&Geometry) -> Result<ControlNet<N, N>, Fault>;

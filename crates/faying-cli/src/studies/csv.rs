@@ -7,10 +7,10 @@ use crate::table::{csv_field, exact};
 impl Study {
     /// The text of the file: a line of names, a line per row.
     pub fn csv(&self) -> String {
-        let errors = names_of(&self.rows, |r| r.result.errors.iter().map(|(n, _)| n));
-        let rates = names_of(&self.rows, |r| r.rates.iter().map(|(n, _)| n));
-        let probes = names_of(&self.rows, |r| r.result.probes.iter().map(|p| p.name.as_str()));
-        let differences = names_of(&self.rows, |r| r.differences.iter().map(|(n, _)| n));
+        let errors = names_of(&self.rows, |r| r.result.errors.keys());
+        let rates = names_of(&self.rows, |r| r.rates.keys());
+        let probes = names_of(&self.rows, |r| r.result.probes.iter().map(|p| &p.name));
+        let differences = names_of(&self.rows, |r| r.differences.keys());
         let constants = self.rows.iter().any(|r| r.beta.is_some() || r.interface.is_some());
         let mut head: Vec<String> =
             ["name", "backend", "degree", "level", "pairing", "integration", "extra_points"].map(str::to_owned).to_vec();

@@ -32,7 +32,7 @@ pub(super) fn fill(rows: &mut [Row], asked: &[Asked]) {
             found.push((a.name.clone(), rate));
         }
         for (name, rate) in found.into_iter().filter(|(_, rate)| rate.is_finite()) {
-            row.rates.push(name, rate);
+            row.rates.insert(name, rate);
         }
     }
 }

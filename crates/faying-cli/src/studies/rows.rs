@@ -3,10 +3,10 @@
 use super::method::Method;
 use crate::case::{Case, Changes, Ends, Master, Multiplier, ReadOptions};
 use crate::errors::{Diagnostics, Severity};
-use crate::named::Named;
 use crate::registry::Registry;
 use crate::result::{RunResult, Status};
 use crate::run_control::RunControl;
+use indexmap::IndexMap;
 use serde_json::Value;
 use std::fmt::Write as _;
 
@@ -121,9 +121,9 @@ pub struct Row {
     /// Their points beyond the default.
     pub extra_points: String,
     /// Observed rates of convergence from the level before, by quantity.
-    pub rates: Named<f64>,
+    pub rates: IndexMap<String, f64>,
     /// Relative differences from the first row, by quantity; not finite if a value is missing.
-    pub differences: Named<f64>,
+    pub differences: IndexMap<String, f64>,
     /// The result as JSON, before the study adds to it.
     pub document: Value,
     /// The interface or contact of `beta`.
@@ -152,8 +152,8 @@ impl Row {
             pairing: String::new(),
             integration: String::new(),
             extra_points: String::new(),
-            rates: Named::default(),
-            differences: Named::default(),
+            rates: IndexMap::default(),
+            differences: IndexMap::default(),
             document: Value::Null,
             interface: None,
             beta: None,

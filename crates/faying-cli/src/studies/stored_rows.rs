@@ -206,7 +206,7 @@ mod tests {
         let mut row = Row::begun("compare", &Spec::default(), &base);
         row.result.solved = true;
         for (k, x) in [0.1, 1.0 / 3.0, 5e-324, 1.797e308, -7.5e-310, 2.0_f64.sqrt() * 1e-9].into_iter().enumerate() {
-            row.result.errors.push(format!("error.{k}"), x);
+            row.result.errors.insert(format!("error.{k}"), x);
         }
         row.result.probes.push(ProbeReport {
             name: "p".into(),

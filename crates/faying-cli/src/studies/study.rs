@@ -8,10 +8,10 @@ use super::rows::{Base, Row, Spec};
 use super::stored_rows::{self, StoredRows};
 use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics};
-use crate::named::Named;
 use crate::registry::Registry;
 use crate::result::Status;
 use crate::run_control::{RunControl, Stop};
+use indexmap::IndexMap;
 use std::collections::BTreeMap;
 
 /// Codes in the order in which they decide the exit code of several rows.
@@ -170,7 +170,7 @@ impl Study {
             if first == k {
                 continue;
             }
-            let differences: Named<f64> = self
+            let differences: IndexMap<String, f64> = self
                 .asked
                 .iter()
                 .filter(|a| a.compared)
@@ -277,7 +277,7 @@ impl Study {
 
     /// Names of the errors that any row has, those relative to the exact size left out.
     pub fn errors(&self) -> Vec<String> {
-        let names = names_of(&self.rows, |row| row.result.errors.iter().map(|(name, _)| name));
+        let names = names_of(&self.rows, |row| row.result.errors.keys());
         names.into_iter().filter(|name| !name.ends_with(".rel")).collect()
     }
 
@@ -310,7 +310,7 @@ impl Study {
 }
 
 /// Names that any row has, each once, in the order of their first appearance.
-pub(super) fn names_of<'a, I: Iterator<Item = &'a str>>(rows: &'a [Row], of: impl Fn(&'a Row) -> I) -> Vec<String> {
+pub(super) fn names_of<'a, I: Iterator<Item = &'a String>>(rows: &'a [Row], of: impl Fn(&'a Row) -> I) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for name in rows.iter().flat_map(of) {
         if !names.iter().any(|known| known == name) {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use faying_cli::case::{Case, Condition, Datum, Divisions, Master, Multiplier, ObstacleShape, ReadOptions, Shape};
 use faying_cli::errors::{Diagnostic, Diagnostics, LISTED, Severity};
 use faying_cli::formula::{Constants, Formula, Point, Scope};
-use faying_cli::place::{Origin, Place};
+use faying_cli::place::{Origin, SourceSpan};
 use proptest::prelude::*;
 
 const SAMPLES: [(&str, &str); 4] = [
@@ -928,7 +928,7 @@ fn the_base_case_is_typed_with_its_defaults() {
     // places: the value of young stands on line 12
     let Some(faying_cli::case::Elastic::YoungPoisson(young, _)) = &case.materials[0].elastic else { panic!() };
     assert_eq!((young.at.line, young.at.column, young.at.origin), (12, 9, Origin::File));
-    assert_eq!(case.contacts[0].head.at, Place { line: 33, column: 1, length: 11, origin: Origin::File });
+    assert_eq!(case.contacts[0].head.at, SourceSpan { line: 33, column: 1, length: 11, origin: Origin::File });
     let d = case.diagnostic(Diagnostic::error("E051", "body \"upper\" can still move"), case.patches[1].head.at);
     assert!(d.render().contains("[[patch]]"));
 }

@@ -117,7 +117,7 @@ fn every_kind_of_load_has_its_resultant() {
         + "[[boundary]]\non = \"b.right\"\ntraction = { x = 1e-3 }\n[[boundary]]\non = [\"b.left\", \"b.top\"]\nforce = { y = -0.02 }\n";
     let text = text.replace("poisson = 0.3", "poisson = 0.3\ndensity = 1e-3").replace("dimension = 2", "dimension = 2\ngravity = [0, -2]");
     let result = run(&text);
-    let names: Vec<&str> = result.loads.iter().map(|(name, _)| name).collect();
+    let names: Vec<&str> = result.loads.keys().map(String::as_str).collect();
     assert_eq!(names, ["b.body_force", "boundary-1", "boundary-2"]);
     near(load(&result, "b.body_force").force[1], -0.2, 1e-12);
     near(plane(load(&result, "b.body_force")), -1.0, 1e-12);

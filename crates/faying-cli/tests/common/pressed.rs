@@ -34,7 +34,7 @@ pub fn run(text: &str, sets: &[&str], size: f64) -> RunResult {
 /// No tension, no penetration, no pressure at a distance: after every step.
 pub fn kkt(result: &RunResult, size: f64) {
     let ends = result.steps.iter().map(|s| &s.contact).chain([&result.contact]);
-    for (name, c) in ends.flat_map(|named| named.0.iter()) {
+    for (name, c) in ends.flat_map(|named| named.iter()) {
         let scale = c.pressure.max.abs().max(c.pressure.min.abs());
         assert!(c.kkt.lambda <= ZERO * scale, "{name}: tension {:e} of {scale:e}", c.kkt.lambda);
         assert!(c.gap.min >= -PENETRATION * size, "{name}: gap {:e} of {size:e}", c.gap.min);
@@ -123,7 +123,7 @@ impl Frame {
             out.push((format!("{name}.x"), v[0], scale));
             out.push((format!("{name}.y"), v[1], scale));
         };
-        for (name, c) in &result.contact.0 {
+        for (name, c) in &result.contact {
             let scale = (c.force[0].hypot(c.force[1])) / force;
             pair(&mut out, name, self.back(&c.force, force));
             let Moment::Plane(moment) = &c.moment else { panic!("a moment in the plane is one number") };
@@ -138,7 +138,7 @@ impl Frame {
             out.push((format!("{name}.active"), c.active as f64, 1.0));
             out.push((format!("{name}.iterations"), c.iterations as f64, 1.0));
         }
-        for (side, r) in &result.reactions.0 {
+        for (side, r) in &result.reactions {
             pair(&mut out, side, self.back(r, force));
         }
         let energy = result.energy / (force * l);

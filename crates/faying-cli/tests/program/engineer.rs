@@ -481,7 +481,7 @@ fn balanced(result: &RunResult, what: &str) {
 /// The reactions of `result` are those of `expected`, in no order.
 fn reacts(result: &RunResult, expected: &[(&str, &[f64])], what: &str) {
     for (label, force) in expected {
-        let found = result.reactions.get(label).unwrap();
+        let found = result.reactions.get(*label).unwrap();
         let same = found.len() == force.len() && found.iter().zip(*force).all(|(a, b)| (a - b).abs() < 1e-10);
         assert!(same, "{what}: {label} {found:?}, expected {force:?}");
     }

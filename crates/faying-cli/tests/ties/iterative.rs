@@ -344,7 +344,7 @@ fn the_schur_complement_factorises_a_stiffness_once_for_all_states_of_contact() 
         cols.zip(vals).for_each(|(j, &v)| k.push(i, j, v));
         k.push(i, i, 1e-4);
     }
-    blocks.stiffness = k.to_csr().with_dof_coordinates(blocks.stiffness.places().to_vec());
+    blocks.stiffness = k.to_csr().with_dof_coordinates(blocks.stiffness.dof_coordinates().to_vec());
     let mut schur = ActiveSet::new(Schur::default());
     let solution = schur.solve(&blocks.system()).unwrap();
     let report = solution.active_set.as_ref().unwrap();
@@ -517,7 +517,7 @@ fn gmres_with_the_symmetric_part_meets_lu_where_the_stiffness_is_not_symmetric()
             k.push(i + 3, i, -0.1);
         }
     }
-    blocks.stiffness = k.to_csr().with_dof_coordinates(blocks.stiffness.places().to_vec());
+    blocks.stiffness = k.to_csr().with_dof_coordinates(blocks.stiffness.dof_coordinates().to_vec());
     let lu = Direct::new().solve(&blocks.system()).unwrap();
     assert_eq!(lu.method, "saddle-point, LU");
     let gmres = Krylov::new(Limits::default()).solve(&blocks.system()).unwrap();

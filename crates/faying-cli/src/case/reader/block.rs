@@ -6,14 +6,14 @@ use crate::case::rows;
 use crate::case::tree::{Node, Table, Value, parse_value};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
-use crate::place::{Located, Origin, Place};
+use crate::place::{Located, Origin, SourceSpan};
 
 /// A table that is being read.
 #[derive(Debug)]
 pub(in crate::case) struct Block {
     pub table: Table,
     /// Its head, or the value itself for an inline table.
-    pub at: Place,
+    pub at: SourceSpan,
     /// Description for messages: `material "steel"`.
     pub what: String,
     /// Its rows of the grammar.
@@ -34,7 +34,7 @@ impl Block {
     }
 
     /// The place of a key, or of the head where the key is absent.
-    pub fn key_at(&self, key: &str) -> Place {
+    pub fn key_at(&self, key: &str) -> SourceSpan {
         self.table.get(key).map_or(self.at, |e| e.key_at)
     }
 
@@ -53,8 +53,8 @@ impl Block {
     }
 
     /// Writes a value that is not in the file into the tree, from which the effective case is written.
-    pub fn default(&mut self, key: &str, value: Value) -> Place {
-        let at = Place { origin: Origin::Default, ..self.at };
+    pub fn default(&mut self, key: &str, value: Value) -> SourceSpan {
+        let at = SourceSpan { origin: Origin::Default, ..self.at };
         self.table.set(key, at, Node::new(value, at));
         at
     }
@@ -62,7 +62,7 @@ impl Block {
     /// Writes the default of a key into the tree.
     pub fn fill(&mut self, key: &Key) {
         if let Absent::Is(_) = key.absent {
-            let at = Place { origin: Origin::Default, ..self.at };
+            let at = SourceSpan { origin: Origin::Default, ..self.at };
             self.default(key.name, default_node(key, at).value);
         }
     }
@@ -86,7 +86,7 @@ impl Block {
 }
 
 /// The default of a key as a value of the file at `at`.
-fn default_node(key: &Key, at: Place) -> Node {
+fn default_node(key: &Key, at: SourceSpan) -> Node {
     let Absent::Is(text) = key.absent else { panic!("`{}` has no default", key.name) };
     parse_value(text, at).unwrap_or_else(|e| panic!("the default {text} of `{}`: {e}", key.name))
 }
@@ -134,7 +134,8 @@ impl Reader {
             }
         }
         let known = |key: &str| keys.iter().any(|k| k.name == key);
-        let unknown: Vec<(String, Place)> = table.entries.iter().filter(|e| !known(&e.key)).map(|e| (e.key.clone(), e.key_at)).collect();
+        let unknown: Vec<(String, SourceSpan)> =
+            table.entries.iter().filter(|e| !known(&e.key)).map(|e| (e.key.clone(), e.key_at)).collect();
         let mut meant = Vec::new();
         for (key, at) in unknown {
             let scene = self.scene();
@@ -219,7 +220,7 @@ impl Reader {
     }
 
     /// Reports an unknown key among those with an effect, `here`; returns the nearest known one, if there is one.
-    pub fn unknown_key(&mut self, key: &str, at: Place, what: &str, keys: &[Key], here: &str) -> Option<&'static str> {
+    pub fn unknown_key(&mut self, key: &str, at: SourceSpan, what: &str, keys: &[Key], here: &str) -> Option<&'static str> {
         let known: Vec<&'static str> = keys.iter().filter(|k| !k.is_later()).map(|k| k.name).collect();
         let help = format!("keys here: {here}");
         if rows::LATER.contains(&key) {
@@ -257,7 +258,7 @@ impl Reader {
             return node.clone();
         }
         let row = block.key(key).clone();
-        let node = default_node(&row, Place { origin: Origin::Default, ..block.at });
+        let node = default_node(&row, SourceSpan { origin: Origin::Default, ..block.at });
         if row.only.is_none_or(|only| (only.holds)(&block.table, &self.scene())) {
             block.default(key, node.value.clone());
         }

@@ -4,7 +4,7 @@ use super::{Block, Reader, Sign, Uses};
 use crate::case::given::{Given, GivenValue, default_of};
 use crate::case::key::{Absent, Key, KeyKind};
 use crate::case::names::EntryKeys;
-use crate::place::{Origin, Place};
+use crate::place::{Origin, SourceSpan};
 
 impl Reader {
     /// The values of `keys` in a block; `None` where one cannot be read.
@@ -48,13 +48,13 @@ impl Reader {
         given
     }
 
-    fn given_value(&mut self, b: &mut Block, key: &Key) -> Option<(GivenValue, Place)> {
+    fn given_value(&mut self, b: &mut Block, key: &Key) -> Option<(GivenValue, SourceSpan)> {
         let name = key.name;
         if !b.has(name)
             && let Absent::Is(_) = key.absent
         {
             b.fill(key);
-            let at = Place { origin: Origin::Default, ..b.at };
+            let at = SourceSpan { origin: Origin::Default, ..b.at };
             return Some((default_of(key)?, at));
         }
         let node = match key.absent {

@@ -17,7 +17,7 @@ use crate::case::tree::Node;
 use crate::case::types::{Joint, Meeting};
 use crate::errors::{CaseText, Diagnostic, Diagnostics};
 use crate::formula::Constants;
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -63,14 +63,14 @@ pub(in crate::case) struct Reader {
 }
 
 impl Reader {
-    pub fn push(&mut self, at: Place, diagnostic: Diagnostic) {
+    pub fn push(&mut self, at: SourceSpan, diagnostic: Diagnostic) {
         if self.found.items.len() < KEPT {
             let located = diagnostic.at(&self.source, at);
             self.found.push(located);
         }
     }
 
-    pub fn fault(&mut self, code: &'static str, at: Place, message: impl Into<String>, help: impl Into<String>) {
+    pub fn fault(&mut self, code: &'static str, at: SourceSpan, message: impl Into<String>, help: impl Into<String>) {
         let help = help.into();
         let d = Diagnostic::error(code, message);
         self.push(at, if help.is_empty() { d } else { d.with_help(help) });

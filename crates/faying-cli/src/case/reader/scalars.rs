@@ -6,7 +6,7 @@ use crate::case::rows;
 use crate::case::tree::{Node, Value};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 
 /// Signs that a number may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -257,7 +257,7 @@ impl Reader {
         let mut first = std::collections::BTreeMap::new();
         for n in names {
             if let Some(at) = first.get(&n.value).copied() {
-                let place: Place = at;
+                let place: SourceSpan = at;
                 let line = place.in_file().map_or(String::new(), |(l, _)| format!(" on line {l}"));
                 self.fault(
                     "E016",

@@ -25,7 +25,7 @@ use crate::case::family::Family;
 use crate::case::files::FileRead;
 use crate::errors::{CaseText, Diagnostics};
 use crate::formula::Constants;
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 
 /// The head of a block, for errors that concern it as a whole.
 pub type Head = Located<()>;
@@ -79,7 +79,7 @@ pub struct Case {
 
 impl Case {
     /// Place of the first exact solution, of the model or of a patch.
-    pub fn exact_at(&self) -> Option<Place> {
+    pub fn exact_at(&self) -> Option<SourceSpan> {
         let of_patches = self.patches.iter().find_map(|p| p.exact.as_ref());
         self.model.exact.as_ref().or(of_patches).map(|exact| exact.at)
     }

@@ -3,7 +3,7 @@
 use super::{Components, Head};
 use crate::case::given::Given;
 use crate::formula::Formula;
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 use crate::reference::StoredRun;
 pub use faying::physics::Assumption;
 use faying::physics::MaterialError;
@@ -81,7 +81,7 @@ impl Material {
     }
 
     /// Place of the constant that an error concerns.
-    pub fn place_of(&self, error: &MaterialError) -> Place {
+    pub fn place_of(&self, error: &MaterialError) -> SourceSpan {
         match (&self.elastic, error) {
             (Some(Elastic::YoungPoisson(_, nu)), MaterialError::Singular { .. } | MaterialError::Ratio { .. }) => nu.at,
             (Some(Elastic::YoungPoisson(e, _)), _) => e.at,

@@ -3,7 +3,7 @@
 use super::{Components, Discretization, Divisions, Grading, Head};
 use crate::case::part::FilePart;
 use crate::formula::Formula;
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 use std::sync::Arc;
 
 /// A built-in shape, or a net of control points.
@@ -171,7 +171,7 @@ pub struct Joint {
     /// The sides.
     pub sides: [SideRef; 2],
     /// Place of the patch block.
-    pub at: Place,
+    pub at: SourceSpan,
 }
 
 /// A point of one mesh file where patches meet without a common facet: they share the function of that point.
@@ -182,7 +182,7 @@ pub struct Meeting {
     /// Index of the point in the file.
     pub point: usize,
     /// Place of the block of the last patch.
-    pub at: Place,
+    pub at: SourceSpan,
 }
 
 /// A side of a patch by its canonical name, or the tag of a mesh.

@@ -284,7 +284,7 @@ pub fn pressed(r: &mut Random, _folder: &Path) -> Trial {
         let scale = if walls { stack.thinnest() / stack.compliance() * 1e-3 } else { pressure };
         let unit = stack.world.length * stack.world.modulus;
         let mut out = Vec::new();
-        for (k, (_, c)) in result.contact.0.iter().enumerate() {
+        for (k, (_, c)) in result.contact.iter().enumerate() {
             let force = stack.world.back([c.force[0], c.force[1]], unit)[1].abs();
             out.push(known(&format!("force {k}"), force, p * stack.width, digits * p.max(scale) * stack.width));
             // a rule that does not see the other side's functions moves single pressures by more
@@ -342,7 +342,7 @@ pub fn on_a_plane(r: &mut Random, _folder: &Path) -> Trial {
     let compare = move |result: &RunResult| {
         let p = if moved { (by - distance).max(0.0) / stack.compliance() } else { pressure };
         let unit = world.length * world.modulus;
-        let c = &result.contact.0[0].1;
+        let c = &result.contact[0];
         let force = world.back([c.force[0], c.force[1]], unit)[1];
         let scale = if moved { by / stack.compliance() } else { pressure };
         let near = 30.0 * digits * scale;

@@ -301,7 +301,7 @@ pub fn end(twins: &Twins, folder: &Path) -> Result<End, String> {
         _ => return Ok(End::Refused),
     };
     let unit = twins.world.length * twins.world.modulus;
-    let [p, q] = [a, b].map(|r| &r.contact.0[0].1);
+    let [p, q] = [a, b].map(|r| &r.contact[0]);
     let [f, g] = [p, q].map(|c| twins.world.back([c.force[0], c.force[1]], unit));
     let [u, v] = [a, b].map(|r| twins.world.back(["ux", "uy"].map(|name| super::layers::probe(r, name)), twins.world.length));
     let signs = twins.signs;

@@ -135,7 +135,7 @@ pub fn pressed(r: &mut Random, _folder: &Path) -> Trial {
         let stiff = joints(&nest.rings, &[distance.abs()], [0.0, 0.0])[0].abs().max(pressure);
         let scale = nest.rings[0].displacement([stiff, 0.0], nest.rings[0].radius[0]).abs();
         let found = Nest::bore(&nest.world, result);
-        let contact = &result.contact.0[0].1;
+        let contact = &result.contact[0];
         let force = &contact.force;
         let unit = nest.world.length * nest.world.modulus;
         let force = nest.world.back([force[0], force[1]], unit).map(f64::abs);

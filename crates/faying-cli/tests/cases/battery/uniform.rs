@@ -296,7 +296,7 @@ fn compared(text: String, world: World, normal: Place, length: f64, pressure: f6
     // of few elements not every function has a dual one
     let sound = world.far() <= 1e3 && digits < 1e-2 && !text.contains("multiplier = \"dual\"");
     let compare = move |result: &RunResult| {
-        let c = &result.contact.0[0].1;
+        let c = &result.contact[0];
         let unit = world.length * world.modulus;
         let force = world.back([c.force[0], c.force[1]], unit);
         let sign = if first { -1.0 } else { 1.0 };

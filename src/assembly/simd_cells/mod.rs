@@ -45,7 +45,7 @@ use super::source::Integrand;
 use crate::linalg::{Csr, Real};
 use crate::quadrature::Quadrature;
 use crate::space::Space;
-use batch::{Entries, Member, Run};
+use batch::{BatchKernel, Entries, Member};
 use nodes::MapNodes;
 use points::{Key, Kinds, PointTables, SameTables};
 use rayon::prelude::*;
@@ -148,7 +148,7 @@ impl<'a, const D: usize, const N: usize, T: Real> CellSpace<'a, D, N, T> {
         let reach = functions.start as u32..functions.end as u32;
         let mut rows = Rows { ptr: pattern.ptr(), slots, places, functions, upper: symmetric, values, ready, starts: Vec::new() };
         for SameTables { tables, members } in &self.groups {
-            self.arch.dispatch(Run {
+            self.arch.dispatch(BatchKernel {
                 tables,
                 nodes: &|elements, ids, out| self.nodes.gather(elements, ids, out),
                 source,

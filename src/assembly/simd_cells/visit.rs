@@ -22,7 +22,7 @@ pub(super) enum PointQuantity<'a> {
 }
 
 /// Evaluates some elements batch by batch and appends the numbers of each to `numbers`.
-pub(super) struct Run<'a, const D: usize> {
+pub(super) struct BatchVisit<'a, const D: usize> {
     pub tables: &'a PointTables<D>,
     pub nodes: &'a Nodes<'a>,
     /// Writes the coefficients of a state as [`Nodes`] writes nodes: its gradient belongs to the points.
@@ -36,7 +36,7 @@ pub(super) struct Run<'a, const D: usize> {
     pub numbers: &'a mut Vec<f64>,
 }
 
-impl<const D: usize> WithSimd for Run<'_, D> {
+impl<const D: usize> WithSimd for BatchVisit<'_, D> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
@@ -66,7 +66,7 @@ impl<const D: usize> WithSimd for Run<'_, D> {
                 here.push(batch[k]);
             }
             nodes(&here, ids, bytemuck::cast_slice_mut(places.as_flattened_mut()));
-            simd.vectorize(Place { simd, tables, nodes: &places, out: &mut map });
+            simd.vectorize(BatchMap { simd, tables, nodes: &places, out: &mut map });
             let mut cell = Cell { points, map: &map, kept: &[], weight: None, state: &[] };
             if let Some(read) = state {
                 read(&here, ids, bytemuck::cast_slice_mut(&mut unknowns));
@@ -106,14 +106,14 @@ impl<const D: usize> WithSimd for Run<'_, D> {
 }
 
 /// The map at the points of a batch, as on a grid of points.
-struct Place<'a, S: Simd, const D: usize> {
+struct BatchMap<'a, S: Simd, const D: usize> {
     simd: S,
     tables: &'a PointTables<D>,
     nodes: &'a [[S::f64s; D]],
     out: &'a mut [S::f64s],
 }
 
-impl<S: Simd, const D: usize> NullaryFnOnce for Place<'_, S, D> {
+impl<S: Simd, const D: usize> NullaryFnOnce for BatchMap<'_, S, D> {
     type Output = ();
     #[inline(always)]
     fn call(self) {

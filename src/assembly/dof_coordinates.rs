@@ -1,7 +1,7 @@
 //! Representative coordinates of the unknowns, for orderings, coarse grids and partitions.
 
-use super::cells::means;
 use super::pattern::Pattern;
+use super::simd_cells::means;
 use crate::basis::{Cell, Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Real, to_f64};
@@ -16,7 +16,7 @@ const ELEMENTS_PER_TASK: usize = 64;
 ///
 /// A cheap approximation: within a fraction of the element for inner Lagrange nodes, about the middle of the support for
 /// splines.
-pub fn places<const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized>(
+pub fn dof_coordinates<const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized>(
     space: &S,
     pattern: &Pattern,
     components: usize,

@@ -1,14 +1,14 @@
 //! Side pairs of the case: slaves with their masters, given by name or found by a search for touching sides.
 
-use super::builder::Builder;
 use super::findings::{fault, unjoined, warning};
+use super::lower_context::LowerContext;
 use super::sides::side_fault;
 use crate::case::{Case, Master, SideRef, Tie};
 use crate::errors::Diagnostic;
-use crate::place::{Located, Place};
+use crate::place::{Located, SourceSpan};
 use crate::registry::is_glue;
 use crate::result::{GluedSides, TiedSides};
-use faying::problem::touching::{Couple, Search, Share, TouchError};
+use faying::problem::touching::{PairedSides, Search, Share, TouchError};
 use faying::problem::{Problem, SideView};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::{Deref, Range};
@@ -16,13 +16,13 @@ use std::sync::Arc;
 
 /// A couple with its source location in the case.
 #[derive(Clone, Debug)]
-pub(super) struct CoupleAt<const S: usize, const N: usize> {
-    pub couple: Couple<S, N>,
-    pub at: Place,
+pub(super) struct PairedSidesAt<const S: usize, const N: usize> {
+    pub couple: PairedSides<S, N>,
+    pub at: SourceSpan,
 }
 
-impl<const S: usize, const N: usize> Deref for CoupleAt<S, N> {
-    type Target = Couple<S, N>;
+impl<const S: usize, const N: usize> Deref for PairedSidesAt<S, N> {
+    type Target = PairedSides<S, N>;
     fn deref(&self) -> &Self::Target {
         &self.couple
     }
@@ -30,35 +30,35 @@ impl<const S: usize, const N: usize> Deref for CoupleAt<S, N> {
 
 /// Side pairs of every interface in the order of the case; those of closed patches and multi-patch files are listed separately.
 #[derive(Debug)]
-pub(super) struct Couples<const S: usize, const N: usize> {
+pub(super) struct SidePairs<const S: usize, const N: usize> {
     /// Side pairs of each interface.
-    pub ties: Vec<Vec<CoupleAt<S, N>>>,
+    pub ties: Vec<Vec<PairedSidesAt<S, N>>>,
     /// Side pairs glued without an interface: closed patches, files of several patches, groups of one mesh.
-    seams: Vec<CoupleAt<S, N>>,
+    seams: Vec<PairedSidesAt<S, N>>,
     /// All sides (patch, name) of both lists.
     sides: BTreeSet<(usize, String)>,
 }
 
-impl<const S: usize, const N: usize> Couples<S, N> {
+impl<const S: usize, const N: usize> SidePairs<S, N> {
     /// Whether a side is coupled to another.
     pub fn hold(&self, patch: usize, side: &str) -> bool {
         self.sides.contains(&(patch, side.to_owned()))
     }
 
     /// Side pairs of interfaces with shared functions, with the name of their interface: `coupling = "glue"`.
-    fn glued_by_name<'a>(&'a self, case: &'a Case) -> impl Iterator<Item = (&'a str, &'a CoupleAt<S, N>)> {
+    fn glued_by_name<'a>(&'a self, case: &'a Case) -> impl Iterator<Item = (&'a str, &'a PairedSidesAt<S, N>)> {
         let ties = self.ties.iter().zip(&case.interfaces).filter(|(_, tie)| is_glue(&tie.coupling.value));
         ties.flat_map(|(couples, tie)| couples.iter().map(|couple| (tie.name.value.as_str(), couple)))
     }
 
     /// Side pairs with shared functions: `coupling = "glue"`, closed patches, files.
-    pub fn glued<'a>(&'a self, case: &'a Case) -> impl Iterator<Item = &'a CoupleAt<S, N>> {
+    pub fn glued<'a>(&'a self, case: &'a Case) -> impl Iterator<Item = &'a PairedSidesAt<S, N>> {
         self.glued_by_name(case).map(|(_, couple)| couple).chain(&self.seams)
     }
 
     /// Distance and share of every pair of sides glued by an interface; closed patches and seams of files are left out.
     pub fn glued_sides(&self, case: &Case) -> Vec<GluedSides> {
-        let of = |(interface, couple): (&str, &CoupleAt<S, N>)| {
+        let of = |(interface, couple): (&str, &PairedSidesAt<S, N>)| {
             let slave = couple.slave.label();
             let tied = |s: Share<S, N>| TiedSides {
                 slave: slave.to_owned(),
@@ -73,39 +73,39 @@ impl<const S: usize, const N: usize> Couples<S, N> {
     }
 }
 
-/// Finds the side pairs of all interfaces; errors go to the builder's faults.
+/// Finds the side pairs of all interfaces; errors go to the context's faults.
 ///
 /// `files` lists the patches that came from one file, with the source location of its name: their touching sides are glued.
 pub(super) fn find<const S: usize, const N: usize>(
-    builder: &mut Builder<'_, S, N>,
+    context: &mut LowerContext<'_, S, N>,
     problem: &mut Problem<S, N>,
-    files: &[(Range<usize>, Place)],
-) -> Couples<S, N> {
+    files: &[(Range<usize>, SourceSpan)],
+) -> SidePairs<S, N> {
     let (ties, seams) = problem.look_for_touching(|search| {
-        let mut finder = Finder { search, builder };
+        let mut finder = Finder { search, context };
         finder.exclude_named();
         let seams = finder.seams(files);
         let ties = finder.ties();
-        slave_twice(finder.builder, &ties);
+        slave_twice(finder.context, &ties);
         finder.near_sides(&ties);
         finder.unjoined_sides();
         (ties, seams)
     });
-    let sides = |c: &CoupleAt<S, N>| c.masters.iter().chain([&c.slave]).map(|s| (s.body(), s.name().to_owned())).collect::<Vec<_>>();
+    let sides = |c: &PairedSidesAt<S, N>| c.masters.iter().chain([&c.slave]).map(|s| (s.body(), s.name().to_owned())).collect::<Vec<_>>();
     let sides = ties.iter().flatten().chain(&seams).flat_map(sides).collect();
-    Couples { ties, seams, sides }
+    SidePairs { ties, seams, sides }
 }
 
 /// The search for the sides of a case.
 struct Finder<'a, 'b, 'c, 'd, const S: usize, const N: usize> {
-    builder: &'b mut Builder<'c, S, N>,
+    context: &'b mut LowerContext<'c, S, N>,
     search: &'d mut Search<'a, S, N>,
 }
 
 impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     /// Excludes the side pairs that interfaces and contacts of the case name.
     fn exclude_named(&mut self) {
-        let case = self.builder.case;
+        let case = self.context.case;
         let ties = case.interfaces.iter().map(|t| (t.slave.as_slice(), t.master.as_slice()));
         for (slaves, masters) in ties.chain(contacts(case)) {
             for (a, b) in slaves.iter().flat_map(|a| masters.iter().map(move |b| (&a.value, &b.value))) {
@@ -116,25 +116,25 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
 
     fn side(&mut self, wanted: &Located<SideRef>) -> Result<Arc<SideView<S, N>>, Box<Diagnostic>> {
         let (patch, side) = (wanted.value.patch, &wanted.value.side);
-        self.search.side(patch, side).map_err(|error| Box::new(side_fault(self.builder, &self.search.body(patch), &error, wanted)))
+        self.search.side(patch, side).map_err(|error| Box::new(side_fault(self.context, &self.search.body(patch), &error, wanted)))
     }
 
-    /// Returns what a step makes, or adds its error to the builder's faults.
+    /// Returns what a step makes, or adds its error to the context's faults.
     fn kept<T>(&mut self, made: Result<T, Box<Diagnostic>>) -> Option<T> {
-        made.map_err(|fault| self.builder.faults.push(*fault)).ok()
+        made.map_err(|fault| self.context.faults.push(*fault)).ok()
     }
 
-    /// Adds what was found since the last call to the builder's faults.
-    fn tell(&mut self, at: Place) {
+    /// Adds what was found since the last call to the context's faults.
+    fn tell(&mut self, at: SourceSpan) {
         for finding in std::mem::take(&mut self.search.findings) {
-            let warning = warning(self.builder, &finding, at);
-            self.builder.faults.push(warning);
+            let warning = warning(self.context, &finding, at);
+            self.context.faults.push(warning);
         }
     }
 
     /// Side pairs of closed patches, of files with several patches, and of groups of one mesh, which share the functions of common facets.
-    fn seams(&mut self, files: &[(Range<usize>, Place)]) -> Vec<CoupleAt<S, N>> {
-        let case = self.builder.case;
+    fn seams(&mut self, files: &[(Range<usize>, SourceSpan)]) -> Vec<PairedSidesAt<S, N>> {
+        let case = self.context.case;
         let mut seams = Vec::new();
         for (patch, closed) in case.patches.iter().enumerate().filter_map(|(k, p)| Some((k, p.closed.as_ref()?))) {
             let couple = self.ring(patch, closed);
@@ -155,32 +155,37 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     }
 
     /// Side pair of a closed patch: for `closed = "u"` the slave u1 with the master u0, and so on.
-    fn ring(&mut self, patch: usize, closed: &Located<String>) -> Result<CoupleAt<S, N>, Box<Diagnostic>> {
+    fn ring(&mut self, patch: usize, closed: &Located<String>) -> Result<PairedSidesAt<S, N>, Box<Diagnostic>> {
         let directions = &["u", "v", "w"][..N];
         let axis = closed.value.as_str();
         if !directions.contains(&axis) {
             let text = format!("`closed` must be one of {}, found {axis:?}", directions.join(", "));
-            return Err(Box::new(self.builder.error("E015", text, closed.at)));
+            return Err(Box::new(self.context.error("E015", text, closed.at)));
         }
         self.glue(&[1, 0].map(|end| SideRef { patch, side: format!("{axis}{end}") }), closed.at)
     }
 
-    fn glue(&mut self, [slave, master]: &[SideRef; 2], at: Place) -> Result<CoupleAt<S, N>, Box<Diagnostic>> {
+    fn glue(&mut self, [slave, master]: &[SideRef; 2], at: SourceSpan) -> Result<PairedSidesAt<S, N>, Box<Diagnostic>> {
         let slave = self.side(&Located::new(slave.clone(), at))?;
         let master = self.side(&Located::new(master.clone(), at))?;
-        Ok(CoupleAt { couple: self.search.glue(slave, master), at })
+        Ok(PairedSidesAt { couple: self.search.glue(slave, master), at })
     }
 
-    /// Adds the source location to the couples of a search, and what it found and its error to the builder's faults.
-    fn located(&mut self, found: Result<Vec<Couple<S, N>>, TouchError<S, N>>, interface: &str, at: Place) -> Vec<CoupleAt<S, N>> {
+    /// Adds the source location to the couples of a search, and what it found and its error to the context's faults.
+    fn located(
+        &mut self,
+        found: Result<Vec<PairedSides<S, N>>, TouchError<S, N>>,
+        interface: &str,
+        at: SourceSpan,
+    ) -> Vec<PairedSidesAt<S, N>> {
         self.tell(at);
-        let found = found.map_err(|error| Box::new(fault(self.builder, self.search, &error, interface, at)));
-        self.kept(found).unwrap_or_default().into_iter().map(|couple| CoupleAt { couple, at }).collect()
+        let found = found.map_err(|error| Box::new(fault(self.context, self.search, &error, interface, at)));
+        self.kept(found).unwrap_or_default().into_iter().map(|couple| PairedSidesAt { couple, at }).collect()
     }
 
     /// Side pairs of the interfaces: those with named sides first, then those of lists of patches, then of "all".
-    fn ties(&mut self) -> Vec<Vec<CoupleAt<S, N>>> {
-        let case = self.builder.case;
+    fn ties(&mut self) -> Vec<Vec<PairedSidesAt<S, N>>> {
+        let case = self.context.case;
         let mut ties = vec![Vec::new(); case.interfaces.len()];
         let rank = |tie: &Tie| tie.between.as_ref().map_or(0, |b| if is_all(b) { 2 } else { 1 });
         let mut order: Vec<usize> = (0..ties.len()).collect();
@@ -196,18 +201,18 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     }
 
     /// Returns the side pairs of an interface whose slaves and masters are named.
-    fn named(&mut self, tie: &Tie) -> Vec<CoupleAt<S, N>> {
+    fn named(&mut self, tie: &Tie) -> Vec<PairedSidesAt<S, N>> {
         let slaves = self.list(&tie.slave);
         let masters: Vec<_> = self.list(&tie.master).into_iter().map(|(side, _)| side).collect();
         let couple = |(slave, at)| {
             let couple = self.search.tie(slave, masters.clone(), tie.tolerance.value);
             self.tell(at);
-            CoupleAt { couple, at }
+            PairedSidesAt { couple, at }
         };
         slaves.into_iter().map(couple).collect()
     }
 
-    fn list(&mut self, wanted: &[Located<SideRef>]) -> Vec<(Arc<SideView<S, N>>, Place)> {
+    fn list(&mut self, wanted: &[Located<SideRef>]) -> Vec<(Arc<SideView<S, N>>, SourceSpan)> {
         let found = |wanted: &Located<SideRef>| {
             let side = self.side(wanted);
             Some((self.kept(side)?, wanted.at))
@@ -216,7 +221,7 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     }
 
     /// Returns the touching sides of the patches of an interface.
-    fn between(&mut self, tie: &Tie, between: &Located<Vec<String>>) -> Vec<CoupleAt<S, N>> {
+    fn between(&mut self, tie: &Tie, between: &Located<Vec<String>>) -> Vec<PairedSidesAt<S, N>> {
         let bodies = self.bodies(between);
         let Some(bodies) = self.kept(bodies) else { return Vec::new() };
         let found = self.search.tie_touching(&bodies, tie.tolerance.value);
@@ -226,19 +231,19 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     /// The patches that `between` names.
     fn bodies(&self, between: &Located<Vec<String>>) -> Result<Vec<usize>, Box<Diagnostic>> {
         if is_all(between) {
-            return Ok((0..self.builder.case.patches.len()).collect());
+            return Ok((0..self.context.case.patches.len()).collect());
         }
-        let unknown = |name: &str| Box::new(self.builder.error("E021", format!("there is no patch {name:?}"), between.at));
+        let unknown = |name: &str| Box::new(self.context.error("E021", format!("there is no patch {name:?}"), between.at));
         between
             .value
             .iter()
-            .map(|name| self.builder.case.patches.iter().position(|p| p.name.value == *name).ok_or_else(|| unknown(name)))
+            .map(|name| self.context.case.patches.iter().position(|p| p.name.value == *name).ok_or_else(|| unknown(name)))
             .collect()
     }
 
     /// Warns of sides that `between` leaves apart though they are near for the size of their facets.
-    fn near_sides(&mut self, ties: &[Vec<CoupleAt<S, N>>]) {
-        let case = self.builder.case;
+    fn near_sides(&mut self, ties: &[Vec<PairedSidesAt<S, N>>]) {
+        let case = self.context.case;
         for (slaves, masters) in contacts(case) {
             // what is wrong with a side is reported where its contact is built
             let [slaves, masters] = [slaves, masters].map(|list| list.iter().filter_map(|s| self.side(s).ok()).collect::<Vec<_>>());
@@ -255,7 +260,7 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
 
     /// Warns of sides and patches that nothing joins; sides that a boundary block names are meant to be open.
     fn unjoined_sides(&mut self) {
-        let case = self.builder.case;
+        let case = self.context.case;
         let pairs = contacts(case).flat_map(|(a, b)| a.iter().flat_map(move |a| b.iter().map(move |b| [a.value.patch, b.value.patch])));
         let named = case.boundaries.iter().filter(|b| !b.all_outer).flat_map(|b| &b.on);
         // edges, corners and what is wrong are seen where the block is built
@@ -263,7 +268,7 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
         let spline = |patch: usize| case.patches[patch].geometry.shape.mesh_part().is_none();
         self.search.unjoined(&pairs.collect::<Vec<_>>(), &outer, &spline);
         let found = std::mem::take(&mut self.search.findings);
-        unjoined(self.builder, &found);
+        unjoined(self.context, &found);
     }
 }
 
@@ -280,17 +285,17 @@ fn is_all(between: &Located<Vec<String>>) -> bool {
 }
 
 /// Reports E026 if a side found by the search is slave already.
-fn slave_twice<const S: usize, const N: usize>(builder: &mut Builder<'_, S, N>, ties: &[Vec<CoupleAt<S, N>>]) {
+fn slave_twice<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, ties: &[Vec<PairedSidesAt<S, N>>]) {
     let mut first: BTreeMap<(usize, &str), usize> = BTreeMap::new();
-    let case = builder.case;
+    let case = context.case;
     for (k, (list, tie)) in ties.iter().zip(&case.interfaces).enumerate() {
         for couple in list {
             let before = first.insert((couple.slave.body(), couple.slave.name()), k);
             if let Some(before) = before.filter(|_| tie.between.is_some()) {
                 let names = [&case.interfaces[before].name.value, &tie.name.value];
                 let text = format!("`{}` is slave twice: in interfaces \"{}\" and \"{}\"", couple.slave.label(), names[0], names[1]);
-                let fault = builder.error("E026", text, couple.at).with_help("name slaves and masters in place of `between`");
-                builder.faults.push(fault);
+                let fault = context.error("E026", text, couple.at).with_help("name slaves and masters in place of `between`");
+                context.faults.push(fault);
             }
         }
     }

@@ -11,7 +11,7 @@ const REACH: f64 = 0.25;
 
 /// A slave side with its masters.
 #[derive(Clone, Debug)]
-pub struct Couple<const S: usize, const N: usize> {
+pub struct PairedSides<const S: usize, const N: usize> {
     /// The side that carries the multiplier.
     pub slave: Arc<BodySide<S, N>>,
     /// The sides that it is joined to.
@@ -35,7 +35,7 @@ pub struct Share<const S: usize, const N: usize> {
     pub share: f64,
 }
 
-impl<const S: usize, const N: usize> Couple<S, N> {
+impl<const S: usize, const N: usize> PairedSides<S, N> {
     /// Computes the share of every master, by sampled points of the slave; masters without one are left out.
     pub fn shares(&self) -> Vec<Share<S, N>> {
         let slave = &self.slave.trace.space;

@@ -5,7 +5,7 @@
 use super::batch::Nodes;
 use super::nodes::{self, MapNodes};
 use super::points::{self, Kinds, PointTables, SameTables};
-use super::visit::{PointQuantity, Run};
+use super::visit::{BatchVisit, PointQuantity};
 use crate::assembly::Form;
 use crate::assembly::source::Integrand;
 use crate::assembly::sum_factorization::{PointCallback, PointOperator, SQUARES};
@@ -99,7 +99,7 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
                     }
                     let Task { numbers, own: ids, .. } = task;
                     let nodes = |elements: &[u32], ids: &mut Vec<usize>, out: &mut [f64]| self.nodes.gather(elements, ids, out);
-                    self.arch.dispatch(Run::<D> { tables, nodes: &nodes, state, kind, width, elements, ids, numbers });
+                    self.arch.dispatch(BatchVisit::<D> { tables, nodes: &nodes, state, kind, width, elements, ids, numbers });
                 });
                 tasks[..block.len().div_ceil(ELEMENTS_PER_TASK)].iter().for_each(|task| sink(tables, task));
             }

@@ -46,7 +46,7 @@ impl Weights {
     }
 }
 
-/// Computes [`places`](super::super::places()) from tables of the reference cells; `None` if there are none.
+/// Computes [`dof_coordinates`](super::super::dof_coordinates()) from tables of the reference cells; `None` if there are none.
 pub(in crate::assembly) fn means<const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized>(
     space: &S,
     pattern: &Pattern,

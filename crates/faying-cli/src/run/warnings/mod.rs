@@ -6,12 +6,12 @@ mod of_state;
 
 use crate::case::Case;
 use crate::errors::Diagnostic;
-use crate::lower::Built;
+use crate::lower::LoweredCase;
 use crate::result::RunResult;
 use faying::problem::{Solution, Warning};
 
 /// Returns the warnings about a model before it is solved.
-pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>) -> Vec<Diagnostic> {
+pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &LoweredCase<S, N>) -> Vec<Diagnostic> {
     model.system.accuracy_warnings().iter().filter_map(|w| of_model::diagnostic(case, model, w)).collect()
 }
 

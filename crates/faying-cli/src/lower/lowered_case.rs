@@ -8,7 +8,7 @@ use faying::problem::System;
 
 /// A case as a system.
 #[derive(Debug)]
-pub struct Built<const S: usize, const N: usize> {
+pub struct LoweredCase<const S: usize, const N: usize> {
     /// The system.
     pub system: System<S, N>,
     /// Sides that interfaces of the case glue.

@@ -2,7 +2,7 @@
 
 use crate::case::Case;
 use crate::errors::Diagnostic;
-use crate::words::{percent, place, short};
+use crate::text_format::{percent, place, short};
 use faying::problem::{Subject, SubjectKind, Warning};
 
 /// Moduli that differ by less are not named.

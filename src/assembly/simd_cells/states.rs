@@ -2,7 +2,7 @@
 
 use super::points::{PointTables, SameTables};
 use super::sums::Sums;
-use super::visit::{PointQuantity, Run};
+use super::visit::{BatchVisit, PointQuantity};
 use crate::assembly::sum_factorization::{state, state_size};
 use crate::linalg::Real;
 use crate::space::{FieldAt, Space};
@@ -65,7 +65,7 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
                 places[e as usize - range.start] = first + k * length..first + (k + 1) * length;
             }
             let kind = PointQuantity::States((!u.is_empty()).then_some(&field));
-            self.arch.dispatch(Run::<N> { tables, nodes: &nodes, state: None, kind, width: C, elements, ids, numbers });
+            self.arch.dispatch(BatchVisit::<N> { tables, nodes: &nodes, state: None, kind, width: C, elements, ids, numbers });
         }
     }
 }

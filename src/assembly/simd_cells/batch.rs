@@ -30,7 +30,7 @@ pub(super) struct Matrices<'a> {
 }
 
 /// Computes the matrices of the `members` that have a function in `functions`, all with the same `tables`, and passes them to `sink`.
-pub(super) struct Run<'a, const N: usize> {
+pub(super) struct BatchKernel<'a, const N: usize> {
     pub tables: &'a Tables<N>,
     pub nodes: &'a Nodes<'a>,
     pub source: &'a Integrand<'a>,
@@ -47,7 +47,7 @@ pub(super) struct Run<'a, const N: usize> {
     pub sink: &'a mut dyn FnMut(&Batch, u8, Matrices<'_>),
 }
 
-impl<const N: usize> WithSimd for Run<'_, N> {
+impl<const N: usize> WithSimd for BatchKernel<'_, N> {
     type Output = ();
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
@@ -75,7 +75,7 @@ struct Scratch<V, const N: usize> {
 }
 
 #[inline(always)]
-fn run<S: Simd, const N: usize>(simd: S, run: Run<'_, N>) {
+fn run<S: Simd, const N: usize>(simd: S, run: BatchKernel<'_, N>) {
     let zero = simd.splat_f64s(0.0);
     let (tables, lanes, pairs) = (run.tables, S::F64_LANES, run.components * run.components);
     let padded = tables.grads.padded();
@@ -146,7 +146,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Straight<'_, S, N> {
 /// The cells of one vector of lanes, compiled for the chosen instruction set.
 struct Part<'a, 'r, S: Simd, const N: usize> {
     simd: S,
-    run: &'a Run<'r, N>,
+    run: &'a BatchKernel<'r, N>,
     /// A bit per lane that has a cell, from the lowest.
     used: usize,
     straight: bool,
@@ -212,7 +212,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
 #[inline(always)]
 fn tangents<S: Simd, const N: usize>(
     simd: S,
-    run: &Run<'_, N>,
+    run: &BatchKernel<'_, N>,
     tangent: &PointTangent<'_>,
     (used, straight): (usize, bool),
     nodes: &[[S::f64s; N]],
@@ -253,7 +253,7 @@ fn tangents<S: Simd, const N: usize>(
 #[inline(always)]
 fn gradients<S: Simd, const N: usize>(
     simd: S,
-    run: &Run<'_, N>,
+    run: &BatchKernel<'_, N>,
     (q, straight): (usize, bool),
     state: &[S::f64s],
     scratch: &mut Scratch<S::f64s, N>,

@@ -4,9 +4,9 @@
 use crate::case::{Boundary, Case, Datum};
 use crate::errors::Diagnostic;
 use crate::formula::Formula;
-use crate::lower::Built;
-use crate::place::{Located, Place};
-use crate::words::{component_name, percent, short};
+use crate::lower::LoweredCase;
+use crate::place::{Located, SourceSpan};
+use crate::text_format::{component_name, percent, short};
 use faying::problem::{Inexact, Integral, Resultant, Statement};
 
 /// Components below this share of the largest are round-off.
@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-9;
 const HELP: &str = "let it jump on edges of elements only: give breakpoints there, as in elements = [[0, 0.23, 1], 4], or refine the mesh";
 
 /// Returns the diagnostic of a load, springs, a prescribed value or a material whose integral is inexact.
-pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, found: &Inexact) -> Option<Diagnostic> {
+pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCase<S, N>, found: &Inexact) -> Option<Diagnostic> {
     let (components, error) = (model.system.contents().components(), percent(found.error));
     let when = if case.has_steps() { format!(" at t = {}", short(found.t)) } else { String::new() };
     let [by_rule, finer] = [&found.integrated, &found.finer];
@@ -24,7 +24,7 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, 
         Integral::Load { of, name, patch } => {
             let at = match patch {
                 Some(k) => case.patches[*k].head.at,
-                None => block(of).map_or_else(Place::default, place_of_load),
+                None => block(of).map_or_else(SourceSpan::default, place_of_load),
             };
             let text = format!(
                 "the load \"{name}\" is integrated inexactly{when}: {} for {} by a finer rule, {error} % off",
@@ -34,8 +34,8 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, 
             (text, at, HELP)
         }
         Integral::Spring { of, name, component } => {
-            let at =
-                block(of).map_or_else(Place::default, |b| b.spring.get(*component).and_then(Option::as_ref).map_or(b.head.at, |f| f.at));
+            let at = block(of)
+                .map_or_else(SourceSpan::default, |b| b.spring.get(*component).and_then(Option::as_ref).map_or(b.head.at, |f| f.at));
             let text = format!(
                 "the springs of \"{name}\" along {} are integrated inexactly{when}: stiffness {} for {} by a finer rule, {error} % off",
                 component_name(*component, components),
@@ -79,7 +79,7 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, 
 }
 
 /// The formula of a load that is no number, else its block.
-fn place_of_load(block: &Boundary) -> Place {
+fn place_of_load(block: &Boundary) -> SourceSpan {
     let varies = |f: &&Located<Formula>| f.value.as_constant().is_none();
     let tractions = block.traction.iter().flatten().filter(|d| !matches!(&d.value, Datum::Formula(f) if f.as_constant().is_some()));
     let formulas = block.pressure.iter().chain(block.force.iter().flatten()).filter(varies).map(|f| f.at);

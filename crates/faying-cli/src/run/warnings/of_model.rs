@@ -3,12 +3,12 @@
 use super::loads;
 use crate::case::Case;
 use crate::errors::Diagnostic;
-use crate::lower::Built;
-use crate::words::{percent, place, short};
+use crate::lower::LoweredCase;
+use crate::text_format::{percent, place, short};
 use faying::problem::{SubjectKind, Warning};
 
 /// Returns the diagnostic of a warning about the accuracy of a model.
-pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &Built<S, N>, warning: &Warning) -> Option<Diagnostic> {
+pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCase<S, N>, warning: &Warning) -> Option<Diagnostic> {
     if let Warning::Inexact(found) = warning {
         return loads::diagnostic(case, model, found);
     }
