@@ -1,35 +1,14 @@
 //! Bulk matrices: sum factorisation on spaces of tensor-product patches, loops over elements on others.
 
+use super::kernels::{map_of, patches};
 use super::pattern::Pattern;
 use super::simd_cells::CellSpace;
-use super::sum_factorization::{Glue, MapEvaluator, Patches};
+use super::sum_factorization::Glue;
 use super::{Form, dof_coordinates, lower_sums, plain};
-use crate::basis::Order;
-use crate::geometry::MapTable;
-use crate::linalg::{Csr, Real, Vector, lit, to_f64};
+use crate::linalg::{Csr, Real};
 use crate::quadrature::{Quadrature, TensorRule};
 use crate::space::Space;
 use std::sync::Arc;
-
-/// Returns the map of `space` as a closure on `f64`: x and the tangents at local points of an element.
-pub(super) fn ask<'a, const D: usize, const N: usize, T, S>(space: &'a S) -> Box<MapEvaluator<'a>>
-where
-    T: Real,
-    S: Space<D, N, T> + ?Sized,
-{
-    let (mut points, mut table) = (Vec::new(), MapTable::new());
-    Box::new(move |element: usize, xi: &[f64], out: &mut Vec<f64>| {
-        points.clear();
-        points.extend(xi.chunks_exact(D).map(|xi| Vector::<D, T>::from_fn(|k, _| lit(xi[k]))));
-        space.map(element, &points, Order::Gradients, &mut table);
-        out.clear();
-        for (x, jacobian) in table.x.iter().zip(&table.jacobian) {
-            out.extend(x.iter().map(|&x| to_f64(x)));
-            // by columns: the tangents one after the other
-            out.extend(jacobian.iter().map(|&j| to_f64(j)));
-        }
-    })
-}
 
 /// The matrix of `form` on `space`, unknown = C * function + component, with the coordinates of its unknowns.
 ///
@@ -45,12 +24,12 @@ where
     Q: Quadrature<N, T> + ?Sized,
 {
     form.check_state(space.num_functions());
-    let asks = || ask::<N, N, T, S>(space);
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
+    let map = || map_of::<N, N, T, S>(space);
+    if let Some(products) = patches(space, quadrature, &map, None) {
         let two = TensorRule::gauss([2; N]);
-        let coarse = Patches::with_glue(space, &two, &|e| space.map_structure().map_block(e), &asks, patches.glue());
-        let mut matrix = patches.csr(C).with_dof_coordinates(coarse.map(|p| p.mean_coordinates(C)).unwrap_or_default());
-        patches.stiffness(form, false, &mut matrix);
+        let coarse = patches(space, &two, &map, products.glue());
+        let mut matrix = products.csr(C).with_dof_coordinates(coarse.map(|p| p.mean_coordinates(C)).unwrap_or_default());
+        products.stiffness(form, false, &mut matrix);
         add_lower(None, space, quadrature, form, &mut matrix);
         return matrix;
     }
@@ -128,8 +107,8 @@ pub fn add_stiffness<const C: usize, const N: usize, T, S, Q>(
     Q: Quadrature<N, T> + ?Sized,
 {
     form.check_state(space.num_functions());
-    let asks = || ask::<N, N, T, S>(space);
-    match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
+    let map = || map_of::<N, N, T, S>(space);
+    match patches(space, quadrature, &map, None) {
         Some(patches) => {
             patches.stiffness(form, true, matrix);
             add_lower(Some(pattern), space, quadrature, form, matrix);
@@ -152,8 +131,8 @@ where
     Q: Quadrature<N, T> + ?Sized,
 {
     form.check_state(space.num_functions());
-    let asks = || ask::<N, N, T, S>(space);
-    match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
+    let map = || map_of::<N, N, T, S>(space);
+    match patches(space, quadrature, &map, None) {
         Some(patches) => {
             patches.stiffness(form, false, matrix);
             add_lower(None, space, quadrature, form, matrix);
@@ -187,8 +166,8 @@ impl Assembler {
         S: Space<N, N, T> + ?Sized,
         Q: Quadrature<N, T> + ?Sized,
     {
-        let asks = || ask::<N, N, T, S>(space);
-        match Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
+        let map = || map_of::<N, N, T, S>(space);
+        match patches(space, quadrature, &map, None) {
             Some(patches) => Self { pattern: None, glue: patches.glue().cloned() },
             None => Self { pattern: Some(Pattern::new(space)), glue: None },
         }
@@ -214,8 +193,8 @@ impl Assembler {
             elements(CellSpace::new(pattern, space, quadrature), pattern, space, quadrature, form, false, matrix);
             return;
         }
-        let asks = || ask::<N, N, T, S>(space);
-        match Patches::with_glue(space, quadrature, &|e| space.map_structure().map_block(e), &asks, self.glue.as_ref()) {
+        let map = || map_of::<N, N, T, S>(space);
+        match patches(space, quadrature, &map, self.glue.as_ref()) {
             Some(patches) => {
                 patches.stiffness(form, false, matrix);
                 add_lower(None, space, quadrature, form, matrix);
@@ -236,12 +215,12 @@ where
     S: Space<D, N, T> + ?Sized,
     Q: Quadrature<D, T> + ?Sized,
 {
-    let asks = || ask::<D, N, T, S>(space);
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
+    let map = || map_of::<D, N, T, S>(space);
+    if let Some(products) = patches(space, quadrature, &map, None) {
         let two = TensorRule::gauss([2; D]);
-        let coarse = Patches::with_glue(space, &two, &|e| space.map_structure().map_block(e), &asks, patches.glue());
-        let mut matrix = patches.csr(1).with_dof_coordinates(coarse.map(|p| p.mean_coordinates(1)).unwrap_or_default());
-        patches.mass(&mut matrix);
+        let coarse = patches(space, &two, &map, products.glue());
+        let mut matrix = products.csr(1).with_dof_coordinates(coarse.map(|p| p.mean_coordinates(1)).unwrap_or_default());
+        products.mass(&mut matrix);
         return matrix;
     }
     let pattern = Pattern::new(space);

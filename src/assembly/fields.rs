@@ -1,9 +1,7 @@
 //! A field with its gradient at the points of all elements.
 
-use super::bulk::ask;
+use super::kernels::{Kernels, map_of};
 use super::scratch::Scratch;
-use super::simd_cells::Sums;
-use super::sum_factorization::Patches;
 use super::{Coefficient, Form, Tangent};
 use crate::linalg::{Matrix, Real, Vector};
 use crate::quadrature::Quadrature;
@@ -49,12 +47,9 @@ where
     R: Send,
 {
     assert!(u.is_empty() || u.len() >= C * space.num_functions(), "a field of {C} components needs an unknown per component and function");
-    let asks = || ask::<N, N, T, S>(space);
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
-        return patches.states(u, visit);
-    }
-    if let Some(cells) = Sums::new(space, quadrature) {
-        return cells.states(u, visit);
+    let map = || map_of::<N, N, T, S>(space);
+    if let Some(found) = Kernels::new(space, quadrature, &map).states(u, visit) {
+        return found;
     }
     let of_element = |(scratch, states, kept): &mut (Scratch<N, N, T>, Vec<FieldAt<C, N, T>>, W), element: usize| {
         scratch.gradients(space, element, quadrature.rule(element));

@@ -1,11 +1,10 @@
 //! The internal forces of a state and its energy: the residual to which a form with a state is the derivative.
 
-use super::bulk::ask;
 use super::check_field;
 use super::fields::field_at;
+use super::kernels::{Kernels, map_of};
 use super::scratch::Scratch;
-use super::simd_cells::Sums;
-use super::sum_factorization::{Patches, QuadraturePoints};
+use super::sum_factorization::QuadraturePoints;
 use super::vectors::add_elements;
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::Quadrature;
@@ -77,13 +76,8 @@ where
             out[C * N] = to_f64(energy);
         }
     };
-    let asks = || ask::<N, N, T, S>(space);
-    let functions = space.num_functions();
-    let (forces, energy) = if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
-        patches.internal_force(C, functions, u, &in_lanes)
-    } else if let Some(cells) = Sums::new(space, quadrature) {
-        cells.internal_force::<C>(u, &in_lanes)
-    } else {
+    let map = || map_of::<N, N, T, S>(space);
+    let Some((forces, energy)) = Kernels::new(space, quadrature, &map).internal_force::<C>(space, u, &in_lanes) else {
         return plain(space, quadrature, u, answer);
     };
     match first.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {

@@ -1,9 +1,8 @@
 //! Linear forms: loads inside a body and on its sides, springs on sides, measures.
 
-use super::bulk::ask;
+use super::kernels::{Kernels, map_of};
 use super::scratch::Scratch;
-use super::simd_cells::Sums;
-use super::sum_factorization::{Patches, QuadraturePoints};
+use super::sum_factorization::QuadraturePoints;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Csr, Matrix, Real, Vector, lit, measure as stretch, to_f64};
@@ -50,7 +49,7 @@ where
     S: Space<D, N, T> + ?Sized,
     Q: Quadrature<D, T> + ?Sized,
 {
-    let asks = || ask::<D, N, T, S>(space);
+    let map = || map_of::<D, N, T, S>(space);
     let answer = |sites: &QuadraturePoints, out: &mut [f64]| {
         for (x, out) in sites.x.chunks_exact(N).zip(out.chunks_exact_mut(C)) {
             let force = f(&Vector::from_fn(|k, _| lit(x[k])));
@@ -61,15 +60,10 @@ where
         total: Vector::from_fn(|c, _| lit(sums[c * (N + 1) + N])),
         first: Matrix::from_fn(|c, k| lit(sums[c * (N + 1) + k])),
     };
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
-        let (load, sums) = patches.load(C, space.num_functions(), &answer);
-        return (load, moments(&sums));
+    match Kernels::new(space, quadrature, &map).load(space, C, &answer) {
+        Some((load, sums)) => (load, moments(&sums)),
+        None => plain_load(space, quadrature, f),
     }
-    if let Some(cells) = Sums::new(space, quadrature) {
-        let (load, sums) = cells.load(C, &answer);
-        return (load, moments(&sums));
-    }
-    plain_load(space, quadrature, f)
 }
 
 /// The ids and values of some elements, and the moments there.

@@ -1,9 +1,9 @@
 //! The matrix of a form as an operator that stores no matrix.
 
-use super::bulk::ask;
 use super::fields::tangent_at;
+use super::kernels::{map_of, patches};
 use super::scratch::Scratch;
-use super::sum_factorization::{Free, Patches};
+use super::sum_factorization::Free;
 use super::vectors::add_elements;
 use super::{Form, Pattern, contract, dof_coordinates, lower_sums};
 use crate::linalg::{Matrix, Operator, Real, Vector};
@@ -65,10 +65,9 @@ where
 
     fn with(space: &'a S, quadrature: &'a Q, form: &'a Form<'a, C, N, T>, keeps: bool) -> Self {
         form.check_state(space.num_functions());
-        let asks = || ask::<N, N, T, S>(space);
-        let map = |e| space.map_structure().map_block(e);
-        let grid = Patches::new(space, quadrature, &map, &asks).and_then(|patches| Free::new(patches, form, keeps));
-        let places = match Patches::new(space, &TensorRule::gauss([2; N]), &map, &asks) {
+        let map = || map_of::<N, N, T, S>(space);
+        let grid = patches(space, quadrature, &map, None).and_then(|patches| Free::new(patches, form, keeps));
+        let places = match patches(space, &TensorRule::gauss([2; N]), &map, None) {
             Some(patches) => patches.mean_coordinates(C),
             None => dof_coordinates(space, &Pattern::new(space), C),
         };
@@ -111,7 +110,7 @@ where
 
     fn apply(&self, x: &[T], y: &mut [T]) {
         if let Some(grid) = &self.grid {
-            grid.apply(self.form, &|| ask::<N, N, T, S>(self.space), x, y);
+            grid.apply(self.form, &|| map_of::<N, N, T, S>(self.space), x, y);
             self.add_lower(x, y);
             return;
         }
@@ -135,7 +134,7 @@ where
     fn diagonal(&self) -> Vec<T> {
         let mut diagonal = vec![T::zero(); self.size()];
         if let Some(grid) = &self.grid {
-            grid.diagonal(self.form, &|| ask::<N, N, T, S>(self.space), &mut diagonal);
+            grid.diagonal(self.form, &|| map_of::<N, N, T, S>(self.space), &mut diagonal);
             self.add_lower_diagonal(&mut diagonal);
             return diagonal;
         }

@@ -8,6 +8,7 @@ mod fields;
 mod graph;
 mod halved;
 mod internal_force;
+mod kernels;
 mod load;
 mod lower_order;
 mod lower_sums;

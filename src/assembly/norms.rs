@@ -1,9 +1,8 @@
 //! Norms of errors: L2, H1 semi-norm, energy.
 
-use super::bulk::ask;
 use super::fields::{field_at, tangent_at};
-use super::simd_cells::Sums;
-use super::sum_factorization::{Patches, QuadraturePoints};
+use super::kernels::{Kernels, map_of};
+use super::sum_factorization::QuadraturePoints;
 use super::{Form, contract, lower_sums, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
 use crate::quadrature::Quadrature;
@@ -89,7 +88,7 @@ where
     Q: Quadrature<N, T> + ?Sized,
 {
     form.check_state(space.num_functions());
-    let asks = || ask::<N, N, T, S>(space);
+    let map = || map_of::<N, N, T, S>(space);
     let answer = |sites: &QuadraturePoints, out: &mut [f64]| {
         let per_lane = sites.xi.len() / (N * sites.elements.len().max(1));
         let points = sites.x.chunks_exact(N).zip(sites.xi.chunks_exact(N));
@@ -112,11 +111,8 @@ where
         }
         roots(total)
     };
-    if let Some(patches) = Patches::new(space, quadrature, &|e| space.map_structure().map_block(e), &asks) {
-        return whole(patches.deviation(form, u, &answer).map(lit));
-    }
-    if let Some(cells) = Sums::new(space, quadrature) {
-        return whole(cells.deviation(form, u, &answer).map(lit));
+    if let Some(squares) = Kernels::new(space, quadrature, &map).deviation(form, u, &answer) {
+        return whole(squares.map(lit));
     }
     let squares: Vec<[T; 6]> = (0..space.num_elements())
         .into_par_iter()

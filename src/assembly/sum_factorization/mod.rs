@@ -100,24 +100,9 @@ impl<'a> Patches<'a> {
     /// The patches that a space of functions `basis` is made of; `None` if the plain loop has to be used.
     ///
     /// `map` returns the product structure of the map around an element, if there is one, with points of M coordinates;
-    /// `asks` returns an evaluator of the map of one element.
+    /// `asks` returns an evaluator of the map of one element. The numbers `known` from [`Self::glue`] are taken if they are of the same
+    /// functions; map and rules may differ.
     pub fn new<'m, const N: usize, const M: usize, T, B, Q>(
-        basis: &B,
-        quadrature: &Q,
-        map: &dyn Fn(usize) -> Option<MapBlock<'m, N, M, T>>,
-        asks: &'a MapEvaluators<'a>,
-    ) -> Option<Self>
-    where
-        T: Real,
-        B: Basis<N, T> + ?Sized,
-        Q: Quadrature<N, T> + ?Sized,
-    {
-        Self::with_glue(basis, quadrature, map, asks, None)
-    }
-
-    /// Creates the patches of [`Self::new`] and reuses the numbers `known` from [`Self::glue`] if they are of the same functions;
-    /// map and rules may differ.
-    pub fn with_glue<'m, const N: usize, const M: usize, T, B, Q>(
         basis: &B,
         quadrature: &Q,
         map: &dyn Fn(usize) -> Option<MapBlock<'m, N, M, T>>,

@@ -6,7 +6,7 @@ mod cuts {
     use super::super::coefficient::Coefficient;
     use super::super::sweep::SweepPlan;
     use crate::assembly::source::Integrand;
-    use crate::assembly::{Coefficient as Given, Form, Pattern, Tangent, bulk, gauss_rules, plain};
+    use crate::assembly::{Coefficient as Given, Form, Pattern, Tangent, gauss_rules, kernels, plain};
     use crate::basis::{BSpline, Basis, Rational, TensorProduct};
     use crate::geometry::{ControlPoints, shapes};
     use crate::linalg::{Csr, Matrix, Vector};
@@ -95,8 +95,8 @@ mod cuts {
     /// Merged functions are summed strip by strip: their bits may depend on the sizes, but not on the threads.
     fn check<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, asked: bool, merged: bool) {
         let rules = gauss_rules(space, 0);
-        let asks = || bulk::ask::<N, N, f64, dyn Space<N, N>>(space);
-        let patches = Patches::new(space, &rules, &|e| if asked { None } else { space.map_structure().map_block(e) }, &asks)
+        let asks = || kernels::map_of::<N, N, f64, dyn Space<N, N>>(space);
+        let patches = Patches::new(space, &rules, &|e| if asked { None } else { space.map_structure().map_block(e) }, &asks, None)
             .expect("products of splines");
         let coefficient = Coefficient { components: C, symmetric: form.symmetric, source: Integrand::new(form) };
         let to = patches.patches[0].directions();
@@ -244,8 +244,8 @@ mod cuts {
             let points = bent(&axes);
             let space: &dyn Space<2, 2> = &ControlPoints { basis: TensorProduct::new(axes), points };
             let rules = gauss_rules(space, 0);
-            let asks = || bulk::ask::<2, 2, f64, dyn Space<2, 2>>(space);
-            let patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
+            let asks = || kernels::map_of::<2, 2, f64, dyn Space<2, 2>>(space);
+            let patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks, None).expect("products of splines");
             let form = Form::<1, 2>::laplace();
             let coefficient = Coefficient { components: 1, symmetric: true, source: Integrand::new(&form) };
             assert_eq!(patches.plan(0, &coefficient).strips()[0].len(), strips, "{long} elements");
@@ -258,8 +258,8 @@ mod cuts {
             let axes = || [BSpline::uniform(p, long, p as isize - 1), BSpline::uniform(p, long, p as isize - 1), BSpline::uniform(p, 1, 0)];
             let space: &dyn Space<3, 3> = &ControlPoints { basis: TensorProduct::new(axes()), points: bent(&axes()) };
             let rules = gauss_rules(space, 0);
-            let asks = || bulk::ask::<3, 3, f64, dyn Space<3, 3>>(space);
-            let patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
+            let asks = || kernels::map_of::<3, 3, f64, dyn Space<3, 3>>(space);
+            let patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks, None).expect("products of splines");
             let form = Form::<1, 3>::laplace();
             let coefficient = Coefficient { components: 1, symmetric: true, source: Integrand::new(&form) };
             let (patch, functions, active) = (&patches.patches[0], long + p, p + 1);
@@ -315,7 +315,7 @@ mod bits {
     fn matrix<const C: usize, const N: usize>(space: &dyn Space<N, N>, form: &Form<'_, C, N>, arch: pulp::Arch) -> Csr {
         let rules = gauss_rules(space, 0);
         let asks = || -> Box<MapEvaluator<'_>> { unreachable!("the map is a net") };
-        let mut patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
+        let mut patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks, None).expect("products of splines");
         patches.patches.iter_mut().for_each(|patch| patch.arch = arch);
         let mut matrix = patches.csr(C);
         patches.stiffness(form, false, &mut matrix);
@@ -343,7 +343,8 @@ mod bits {
         let rules = gauss_rules(space, 0);
         let asks = || -> Box<MapEvaluator<'_>> { unreachable!("the map is a net") };
         let patches = || {
-            let mut patches = Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks).expect("products of splines");
+            let mut patches =
+                Patches::new(space, &rules, &|e| space.map_structure().map_block(e), &asks, None).expect("products of splines");
             patches.patches.iter_mut().for_each(|patch| patch.arch = arch);
             patches
         };
