@@ -7,6 +7,8 @@ use std::collections::BinaryHeap;
 
 /// Boxes per leaf; fewer make the tree deeper, more make leaves slower.
 const LEAF: usize = 4;
+/// Entries that the queue of a search has room for at first.
+const QUEUE: usize = 32;
 
 /// A median-split tree over numbered boxes.
 ///
@@ -143,7 +145,7 @@ impl<const N: usize, T: Real> Tree<N, T> {
     /// Visits items as [`Tree::nearest`] does, of nodes (numbers of [`Tree::gathered`]) and items that `keep(number, is_item)` keeps.
     pub(super) fn nearest_among(&self, x: &Vector<N, T>, reach: T, keep: impl Fn(usize, bool) -> bool, mut visit: impl FnMut(usize) -> T) {
         let mut reach = to_f64(reach);
-        let mut queue = BinaryHeap::new();
+        let mut queue = BinaryHeap::with_capacity(QUEUE);
         if let Some(root) = self.nodes.first() {
             queue.push(Entry { distance: to_f64(root.bounds.distance(x)), number: 0, is_item: false });
         }

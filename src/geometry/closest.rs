@@ -162,6 +162,18 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         self.project_within(x, (far.distance(x) + far.diagonal()) * lit(2.0) + T::one())
     }
 
+    /// An upper bound of the distance of a curve (D = 1) to `x`, above it by no more than half a piece of an element: the distance to the
+    /// nearest end of a piece. No map is evaluated. `None` if there are no elements or `x` is not finite.
+    pub(crate) fn distance_bound(&self, x: &Vector<N, T>) -> Option<T> {
+        let far = x.iter().all(|v| v.is_finite()).then(|| self.tree.bounds()).flatten()?;
+        let mut least = (far.distance(x) + far.diagonal()) * lit(2.0) + T::one();
+        self.tree.nearest(x, least, |element| {
+            least = self.nodes[element].iter().fold(least, |least, node| least.min((node.x - x).norm()));
+            least
+        });
+        Some(least)
+    }
+
     /// The closest point to `x` nearer than `reach`; `None` if there is none.
     pub fn project_within(&self, x: &Vector<N, T>, reach: T) -> Option<Projection<D, N, T>> {
         if !x.iter().all(|v| v.is_finite()) {
@@ -209,11 +221,9 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         })
     }
 
-    pub(super) fn sample(&self, element: usize, t: &[T], p: &Vector<N, T>, table: &mut MapTable<D, N, T>, into: &mut Vec<Sample<N, T>>) {
-        let points: Vec<Vector<D, T>> = t.iter().map(|&t| Vector::repeat(t)).collect();
-        self.geometry.map(element, &points, Order::Hessians, table);
-        into.clear();
-        into.extend(t.iter().enumerate().map(|(q, &t)| Node::of(table, q).seen(t, p)));
+    pub(super) fn sample(&self, element: usize, t: T, p: &Vector<N, T>, table: &mut MapTable<D, N, T>) -> Sample<N, T> {
+        self.geometry.map(element, &[Vector::repeat(t)], Order::Hessians, table);
+        Node::of(table, 0).seen(t, p)
     }
 
     /// Searches every piece of an element of a curve (D = 1) that may hold a closer point.
@@ -222,12 +232,16 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         for s in &samples {
             best.offer(element, Vector::repeat(s.t), s.x, (s.x - p).norm());
         }
-        let mut pieces: Vec<(T, Sample<N, T>, Sample<N, T>, usize)> =
-            samples.windows(2).map(|w| (self.below(element, p, &w[0], &w[1]), w[0], w[1], 0)).collect();
+        let worth = self.size * lit(WORTH);
+        let mut pieces: Vec<(T, Sample<N, T>, Sample<N, T>, usize)> = Vec::new();
+        for w in samples.windows(2) {
+            let below = self.below(element, p, &w[0], &w[1]);
+            if below <= best.distance - worth {
+                pieces.push((below, w[0], w[1], 0));
+            }
+        }
         // nearest piece first: a close point rules out the others
         pieces.sort_by(|a, b| b.0.partial_cmp(&a.0).unwrap_or(std::cmp::Ordering::Equal));
-        let worth = self.size * lit(WORTH);
-        let mut one = Vec::with_capacity(1);
         while let Some((below, a, b, depth)) = pieces.pop() {
             if below > best.distance - worth {
                 continue;
@@ -238,8 +252,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
             if self.convex(element, p, &a, &b) || depth == DEPTH || self.below(element, p, &a, &b) > best.distance - worth {
                 continue;
             }
-            self.sample(element, &[(a.t + b.t) * lit(0.5)], p, table, &mut one);
-            let m = one[0];
+            let m = self.sample(element, (a.t + b.t) * lit(0.5), p, table);
             best.offer(element, Vector::repeat(m.t), m.x, (m.x - p).norm());
             for (a, b) in [(a, m), (m, b)] {
                 pieces.push((self.below(element, p, &a, &b), a, b, depth + 1));
@@ -278,10 +291,8 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     ) {
         let (mut lo, mut hi) = (a.t, b.t);
         let mut t = lo + (hi - lo) * (a.slope / (a.slope - b.slope));
-        let mut one = Vec::with_capacity(1);
         for _ in 0..STEPS {
-            self.sample(element, &[t], p, table, &mut one);
-            let s = one[0];
+            let s = self.sample(element, t, p, table);
             see(&s);
             if s.slope == T::zero() {
                 break;
@@ -304,21 +315,19 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     ///
     /// Near the foot the distance varies quadratically, so the foot may lie in a piece that was ruled out.
     fn polish(&self, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
-        let mut one = Vec::with_capacity(1);
-        self.sample(best.element, &[best.xi[0]], p, table, &mut one);
-        let mut at = one[0];
+        let mut at = self.sample(best.element, best.xi[0], p, table);
         let allowed = best.distance + self.size * lit(WORTH);
         for _ in 0..STEPS {
             if at.curvature <= T::zero() {
                 break;
             }
             let t = (at.t - at.slope / at.curvature).clamp(T::zero(), T::one());
-            self.sample(best.element, &[t], p, table, &mut one);
-            let distance = (one[0].x - p).norm();
-            if one[0].slope.abs() >= at.slope.abs() || distance > allowed {
+            let next = self.sample(best.element, t, p, table);
+            let distance = (next.x - p).norm();
+            if next.slope.abs() >= at.slope.abs() || distance > allowed {
                 break;
             }
-            at = one[0];
+            at = next;
             (best.xi, best.x, best.distance) = (Vector::repeat(at.t), at.x, distance);
         }
     }

@@ -284,7 +284,6 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         let p = asked.p;
         let samples: [Sample<N, T>; PIECES + 1] = std::array::from_fn(|i| self.nodes[element][i].seen(num::<T>(i) / num(PIECES), p));
         let mut pieces: Vec<(Sample<N, T>, Sample<N, T>, usize)> = samples.windows(2).map(|w| (w[0], w[1], 0)).collect();
-        let mut middle = Vec::with_capacity(1);
         while let Some((a, b, depth)) = pieces.pop() {
             let within = best.as_ref().map_or(reach, |b| b.0.distance);
             if self.below(element, p, &a, &b) > within {
@@ -307,8 +306,8 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
             if self.convex(element, p, &a, &b) || depth == DEPTH {
                 continue;
             }
-            self.sample(element, &[(a.t + b.t) * lit(0.5)], p, table, &mut middle);
-            pieces.extend([(a, middle[0], depth + 1), (middle[0], b, depth + 1)]);
+            let middle = self.sample(element, (a.t + b.t) * lit(0.5), p, table);
+            pieces.extend([(a, middle, depth + 1), (middle, b, depth + 1)]);
         }
     }
 

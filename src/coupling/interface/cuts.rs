@@ -125,11 +125,11 @@ impl<const N: usize, T: Real> Cuts<N, T> {
 
     /// The vertices of `other` that are near the element, in ascending order.
     fn near<G: Geometry<1, N, T>>(&self, curve: &dyn Geometry<1, N, T>, element: usize, other: &MasterCurve<G, N, T>) -> Vec<usize> {
-        let probed = [0, SAMPLES / 2, SAMPLES - 1].map(|s| {
+        let far = [0, SAMPLES / 2, SAMPLES - 1].iter().filter_map(|&s| {
             let opposed = self.normals.get(s).and_then(|normal| other.place_opposed(&self.x[s], normal));
-            opposed.or_else(|| other.place(&self.x[s]))
+            opposed.map(|p| p.distance).or_else(|| other.distance_bound(&self.x[s]))
         });
-        let far = probed.iter().flatten().fold(T::zero(), |m, p| m.max(p.distance));
+        let far = far.fold(T::zero(), T::max);
         // a vertex that is a closest point is no farther than the closest point of the next probe plus the distance to that probe
         let margin = far + self.stride * lit(0.25 * SAMPLES as f64);
         other.vertices_in(&curve.bounds(element).inflated(margin))

@@ -140,6 +140,11 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
         self.has_rims
     }
 
+    /// An upper bound of the distance of `x`, above it by no more than a sixteenth of an element.
+    pub(super) fn distance_bound(&self, x: &Vector<N, T>) -> Option<T> {
+        self.closest.distance_bound(x)
+    }
+
     /// Finds the place of `x`: its closest element, and at a vertex the one on x's side of the vertex's normal plane. `None` if the
     /// curve has no elements or `x` is not finite.
     pub fn place(&self, x: &Vector<N, T>) -> Option<Partner<T>> {
