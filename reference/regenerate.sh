@@ -33,6 +33,8 @@ if [ -z "${FAYING:-}" ]; then
 fi
 [ -x "$FAYING" ] || { echo "FAYING: $FAYING is no program; build it with cargo build --release"; exit 2; }
 export FAYING OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+# one process each: Open MPI starts no daemon of its own, which may fail where two start at once
+export OMPI_MCA_ess_singleton_isolated=1
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
