@@ -1,5 +1,6 @@
 //! Caller-owned tables of function values and derivatives at a batch of points.
 
+use super::ScratchSlot;
 use crate::linalg::{Matrix, Real, Vector};
 
 /// Highest order of derivatives to tabulate; each includes those before it.
@@ -37,6 +38,8 @@ pub struct ShapeTable<const D: usize, T: Real = f64> {
     pub numbers: Vec<T>,
     /// Scratch of implementors: ids.
     pub ids: Vec<usize>,
+    /// Scratch of implementors: the table of an inner basis of another dimension, with its points.
+    pub embedded: ScratchSlot,
 }
 
 impl<const D: usize, T: Real> Default for ShapeTable<D, T> {
@@ -53,6 +56,7 @@ impl<const D: usize, T: Real> Default for ShapeTable<D, T> {
             inner_points: Vec::new(),
             numbers: Vec::new(),
             ids: Vec::new(),
+            embedded: ScratchSlot::default(),
         }
     }
 }

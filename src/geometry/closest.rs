@@ -6,10 +6,16 @@
 
 use super::opposed::Facing;
 use super::{Bounds, Geometry, MapTable, Tree, cell};
-use crate::basis::{Cell, Order};
+use crate::basis::{Cell, Order, ScratchSlot};
 use crate::linalg::{Matrix, Real, Vector, lit, num};
 use rayon::prelude::*;
+use std::cell::RefCell;
 use std::sync::OnceLock;
+
+thread_local! {
+    /// The table of the last search on this thread.
+    static TABLE: RefCell<ScratchSlot> = RefCell::default();
+}
 
 /// Pieces of an element of a curve before bisection.
 pub(super) const PIECES: usize = 8;
@@ -179,14 +185,20 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         if !x.iter().all(|v| v.is_finite()) {
             return None;
         }
+        let mut table = TABLE.with_borrow_mut(|slot| slot.take::<MapTable<D, N, T>>());
+        let found = self.nearest(x, reach, &mut table);
+        TABLE.with_borrow_mut(|slot| slot.keep(table));
+        found
+    }
+
+    fn nearest(&self, x: &Vector<N, T>, reach: T, table: &mut MapTable<D, N, T>) -> Option<Projection<D, N, T>> {
         let mut best = Best { element: 0, xi: Vector::zeros(), x: *x, distance: reach, found: false };
-        let mut table = MapTable::new();
         let worth = self.size * lit(WORTH);
         self.tree.nearest(x, reach, |element| {
             if D == 1 {
-                self.search_curve(element, x, &mut best, &mut table);
+                self.search_curve(element, x, &mut best, table);
             } else {
-                self.search_cell(element, x, &mut best, &mut table);
+                self.search_cell(element, x, &mut best, table);
             }
             (best.distance - worth).max(T::zero())
         });
@@ -194,9 +206,9 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
             return None;
         }
         if D == 1 {
-            self.polish(x, &mut best, &mut table);
+            self.polish(x, &mut best, table);
         }
-        let rim = D < N && self.beyond_rim(&best, x, &mut table);
+        let rim = D < N && self.beyond_rim(&best, x, table);
         Some(Projection { element: best.element, xi: best.xi, x: best.x, distance: best.distance, rim })
     }
 

@@ -9,8 +9,8 @@ const VANISHES: f64 = 1e-10;
 
 /// A basis or a geometry of dimension D on cells of dimension S <= D inside its elements.
 ///
-/// The derivatives follow from the chain rule: d/dxi_S = axesᵀ d/dxi_D. Every call allocates the tables of the inner dimension,
-/// so bulk loops are better served by specialised maps where they exist.
+/// The derivatives follow from the chain rule: d/dxi_S = axesᵀ d/dxi_D. A warm table keeps those of the inner dimension; specialised maps
+/// of dimension S evaluate fewer functions.
 #[derive(Clone, Debug)]
 pub struct Embedded<const S: usize, const D: usize, X, T: Real = f64> {
     /// The inner basis or geometry.
@@ -123,9 +123,11 @@ impl<const S: usize, const D: usize, X: Basis<D, T>, T: Real> Basis<S, T> for Em
 
     fn tabulate(&self, element: usize, xi: &[Vector<S, T>], order: Order, table: &mut ShapeTable<S, T>) {
         let embedding = &self.cells[element];
-        let points: Vec<Vector<D, T>> = xi.iter().map(|xi| embedding.lift(xi)).collect();
-        let mut parent = ShapeTable::new();
-        self.inner.tabulate(embedding.element, &points, order, &mut parent);
+        let mut inner = table.embedded.take::<(Vec<Vector<D, T>>, ShapeTable<D, T>)>();
+        let (points, parent) = &mut *inner;
+        points.clear();
+        points.extend(xi.iter().map(|xi| embedding.lift(xi)));
+        self.inner.tabulate(embedding.element, points, order, parent);
         let local = self.kept.as_ref().map(|k| &k.local[element]);
         let functions = local.map_or(parent.num_functions(), Vec::len);
         let place = |b: usize| local.map_or(b, |l| l[b].0);
@@ -142,15 +144,18 @@ impl<const S: usize, const D: usize, X: Basis<D, T>, T: Real> Basis<S, T> for Em
                 }
             }
         }
+        table.embedded.keep(inner);
     }
 }
 
 impl<const S: usize, const D: usize, const N: usize, X: Geometry<D, N, T>, T: Real> Geometry<S, N, T> for Embedded<S, D, X, T> {
     fn map(&self, element: usize, xi: &[Vector<S, T>], order: Order, table: &mut MapTable<S, N, T>) {
         let embedding = &self.cells[element];
-        let points: Vec<Vector<D, T>> = xi.iter().map(|xi| embedding.lift(xi)).collect();
-        let mut parent = MapTable::new();
-        self.inner.map(embedding.element, &points, order, &mut parent);
+        let mut inner = table.embedded.take::<(Vec<Vector<D, T>>, MapTable<D, N, T>)>();
+        let (points, parent) = &mut *inner;
+        points.clear();
+        points.extend(xi.iter().map(|xi| embedding.lift(xi)));
+        self.inner.map(embedding.element, points, order, parent);
         std::mem::swap(&mut table.x, &mut parent.x);
         table.jacobian.clear();
         table.hessian.clear();
@@ -161,6 +166,7 @@ impl<const S: usize, const D: usize, const N: usize, X: Geometry<D, N, T>, T: Re
             let turned = |h: &[crate::linalg::Matrix<D, D, T>; N]| std::array::from_fn(|c| embedding.axes.tr_mul(&(h[c] * embedding.axes)));
             table.hessian.extend(parent.hessian.iter().map(turned));
         }
+        table.embedded.keep(inner);
     }
 
     fn bounds(&self, element: usize) -> Bounds<N, T> {

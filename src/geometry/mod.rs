@@ -21,7 +21,7 @@ mod sampler;
 pub mod shapes;
 mod structure;
 
-use crate::basis::{Elements, NoStructure, Order, ShapeTable};
+use crate::basis::{Elements, NoStructure, Order, ScratchSlot, ShapeTable};
 use crate::linalg::{Matrix, Real, Vector};
 use rayon::prelude::*;
 
@@ -59,11 +59,14 @@ pub struct MapTable<const D: usize, const N: usize, T: Real = f64> {
     pub ids: Vec<usize>,
     /// Scratch of implementors: the table of an inner map of the same dimension.
     pub inner: Option<Box<MapTable<D, N, T>>>,
+    /// Scratch of implementors: the table of a map of another dimension, with its points.
+    pub embedded: ScratchSlot,
 }
 
 impl<const D: usize, const N: usize, T: Real> Default for MapTable<D, N, T> {
     fn default() -> Self {
-        Self { x: Vec::new(), jacobian: Vec::new(), hessian: Vec::new(), shapes: ShapeTable::new(), ids: Vec::new(), inner: None }
+        let embedded = ScratchSlot::default();
+        Self { x: Vec::new(), jacobian: Vec::new(), hessian: Vec::new(), shapes: ShapeTable::new(), ids: Vec::new(), inner: None, embedded }
     }
 }
 

@@ -33,7 +33,8 @@ pub struct Fault {
     pub code: &'static str,
     /// Message: the problem, its place, the allowed values.
     pub message: String,
-    /// Key of the case's block that is wrong, such as "elements" of a patch; may be empty. Faults of materials and obstacles have the place of `law` and `kind`.
+    /// Key of the case's block that is wrong, such as "elements" of a patch; may be empty: then the place is
+    /// that of the entry's name.
     pub key: &'static str,
 }
 

@@ -95,7 +95,8 @@ fn at_rest<const S: usize, const N: usize>(
         ObstacleShape::Entry { kind, given } => {
             let entry = context.names.obstacles.get(kind).map_err(|e| context.error("E015", e.to_string(), obstacle.shape.at))?;
             (entry.make)(given).map_err(|fault| {
-                Box::new(context.error(fault.code, format!("the obstacle of contact \"{name}\": {}", fault.message), obstacle.shape.at))
+                let at = given.at(fault.key).unwrap_or(obstacle.shape.at);
+                Box::new(context.error(fault.code, format!("the obstacle of contact \"{name}\": {}", fault.message), at))
             })?
         }
     })

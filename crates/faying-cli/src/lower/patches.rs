@@ -6,6 +6,7 @@ use super::places::{Places, Said};
 use crate::case::{self, Patch};
 use crate::errors::Diagnostic;
 use crate::place::Located;
+use crate::registry::Fault;
 use crate::shapes::MakeControlNet;
 use faying::physics::Assumption;
 use faying::problem::{BodyMaterial, BodySpec, Changing, Physics, Problem, ProblemError};
@@ -101,14 +102,18 @@ fn of_law<const S: usize, const N: usize>(
     law: &Located<case::Law>,
 ) -> Result<BodyMaterial<N>, Box<Diagnostic>> {
     let entry = context.names.materials.get(&law.name).map_err(|e| context.error("E015", e.to_string(), law.at))?;
-    let refused = |code: &'static str, text: &str| Box::new(context.error(code, format!("material \"{material}\": {text}"), law.at));
+    let refused = |fault: Fault| {
+        let at = law.given.at(fault.key).unwrap_or(law.at);
+        Box::new(context.error(fault.code, format!("material \"{material}\": {}", fault.message), at))
+    };
     let changes = law.given.depends_on_time();
     let mut first = None;
     for &t in context.case.times(changes) {
-        let made = (entry.make)(&law.given, t).map_err(|fault| refused(fault.code, &fault.message))?;
+        let made = (entry.make)(&law.given, t).map_err(refused)?;
         let (found, wanted) = (made.components(), context.case.model.components());
         if found != wanted {
-            return Err(refused("E015", &format!("law \"{}\" has {found} components of the unknown, the physics has {wanted}", law.name)));
+            let text = format!("law \"{}\" has {found} components of the unknown, the physics has {wanted}", law.name);
+            return Err(refused(Fault::new("E015", text)));
         }
         first.get_or_insert(made);
     }

@@ -18,7 +18,7 @@ fn wood(given: &Given, t: f64) -> Result<Physics<2>, Fault> {
     let stiffer = given.function::<2>("stiffer", t)(&faying::linalg::Vector::zeros());
     let at = |key: &str| given.number(key) * stiffer;
     if at("c11") * at("c22") <= at("c12").powi(2) {
-        return Err(Fault::new("E053", "c11 c22 must exceed c12 squared"));
+        return Err(Fault { key: "c12", ..Fault::new("E053", "c11 c22 must exceed c12 squared") });
     }
     let law = lesson::Orthotropic { c11: at("c11"), c22: at("c22"), c12: at("c12"), g: at("g") };
     Physics::new::<2>(law).map_err(|e| Fault::new("E015", e.to_string()))
@@ -44,7 +44,7 @@ fn registry() -> Registry {
     ];
     let make = |given: &Given| {
         if given.word("ends") == "flat" || !given.flag("solid") {
-            return Err(Fault::new("E019", "only solid bars with round ends are built"));
+            return Err(Fault { key: "ends", ..Fault::new("E019", "only solid bars with round ends are built") });
         }
         let shape = lesson::Bar { a: given.vector("from"), b: given.vector("to"), radius: given.number("radius") };
         Ok(Box::new(move |_: f64| -> Box<dyn faying::contact::Obstacle<1, 2>> { Box::new(shape.clone()) }) as _)
@@ -164,8 +164,13 @@ fn their_keys_are_read_as_strictly_as_those_of_the_language() {
         ("move =", "ends = \"flat\", move =", ["E019", "the obstacle of contact \"bar\": only solid bars"]),
         ("c12 = 0.4", "c12 = 4", ["E053", "material \"wood\": c11 c22 must exceed"]),
     ] {
-        let error = read(&CASE.replace(old, new), &registry).unwrap().run(&registry).unwrap_err().to_string();
+        let case = CASE.replace(old, new);
+        let error = read(&case, &registry).unwrap().run(&registry).unwrap_err().to_string();
         assert!(parts.iter().all(|p| error.contains(p)), "{new}: {error}");
+        // the place of the key's value
+        let line = case.lines().position(|l| l.contains(new)).unwrap();
+        let column = case.lines().nth(line).unwrap().find(new).unwrap() + new.find("= ").unwrap() + 3;
+        assert!(error.contains(&format!("case.toml:{}:{column}", line + 1)), "{line}: {error}");
     }
     // unknown to the program as it comes
     assert!(read(CASE, &Registry::default()).unwrap_err().contains("E015"));
