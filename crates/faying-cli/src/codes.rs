@@ -226,7 +226,7 @@ pub const CODES: &[Code] = &[
         "file unsupported or broken",
         "The kind or the version of a file is not supported, or the file is broken at the given line or byte.",
         "geometry = { kind = \"file\", file = \"part.step\" }",
-        "convert the file to Gmsh 2.2 or 4.1, G+Smo XML or an MFEM mesh; where it is broken, the message names the line or byte.",
+        "convert the file to Gmsh 2.2 or 4.1, G+Smo XML, an MFEM mesh, VTU or an Abaqus input file; where it is broken, the message names the line or byte.",
     ),
     code(
         "E044",

@@ -174,7 +174,7 @@ pub struct SideOutput {
     pub contact: bool,
     /// The slave side, [`Lagrange`](faying_files::vtu::CellStyle::Lagrange) or straight, `least_degree` that of the multiplier, with the
     /// fields `lambda` (1, or N for ties in elasticity), `gap` (1; for ties the jump along the normal), `active` (1: 0 or 1), `traction`
-    /// (1 or N), `normal` (N, of the master). Files of different sides may have different fields.
+    /// (1 or N), `normal` (N, of the master), and of contacts `pressure` (1: -lambda). Files of different sides may have different fields.
     pub part: SidePart,
     /// One per multiplier function: the table `interface_NAME.csv`.
     pub rows: Vec<InterfaceRow>,

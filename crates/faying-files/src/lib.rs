@@ -9,15 +9,18 @@ pub mod gismo;
 mod gismo_write;
 pub mod gmsh;
 mod handed;
+pub mod inp;
 mod mesh;
 pub mod mfem;
 pub mod pvd;
 mod read;
 mod select;
+mod serendipity;
 mod sides;
 mod spline;
 mod text;
 pub mod vtu;
+mod vtu_array;
 mod vtu_bytes;
 mod vtu_mesh;
 pub mod vtu_read;
@@ -25,7 +28,7 @@ mod xml;
 
 pub use cell_map::CellMap;
 pub use mesh::{CellShape, Group, MeshBlock, MeshFile};
-pub use read::{parse, read, read_bytes};
+pub use read::{beside, parse, parse_with, read, read_bytes};
 pub use spline::{KnotUse, Label, PatchSide, SplineFile, SplinePatch};
 pub use vtu_mesh::write_vtu;
 
@@ -34,7 +37,7 @@ pub use vtu_mesh::write_vtu;
 pub enum Contents {
     /// Spline patches: G+Smo XML, MFEM NURBS meshes.
     Patches(SplineFile),
-    /// A Lagrange mesh: Gmsh, MFEM, VTU.
+    /// A Lagrange mesh: Gmsh, MFEM, VTU, Abaqus and CalculiX.
     Mesh(MeshFile),
 }
 
@@ -49,6 +52,8 @@ pub enum Format {
     Gmsh,
     /// VTK XML unstructured grid.
     Vtu,
+    /// Abaqus or CalculiX input file; read only.
+    Abaqus,
 }
 
 /// Text of a written file, and the information that the format cannot store.

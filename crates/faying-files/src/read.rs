@@ -1,5 +1,6 @@
 //! Reader of files of any format, which is detected from the contents.
 
+use super::inp::{self, Include};
 use super::text::shown;
 use super::{Contents, FileError, Limits, Spot, gismo, gmsh, mfem, vtu_read};
 use std::fs::File;
@@ -16,7 +17,12 @@ const MOST: u64 = 1 << 32;
 /// before it is read; otherwise as [`parse`].
 pub fn read(path: &Path, limits: &Limits) -> Result<Contents, FileError> {
     // callers put the name of the file in front of the message
-    parse("the file", &read_bytes(path, limits)?, limits)
+    parse_with("the file", &read_bytes(path, limits)?, limits, &mut beside(path, limits))
+}
+
+/// Reads the files that the file at `path` includes; relative names are looked up in its folder.
+pub fn beside<'a>(path: &'a Path, limits: &'a Limits) -> impl FnMut(&str) -> Result<Vec<u8>, FileError> + 'a {
+    move |name| read_bytes(&path.parent().unwrap_or(Path::new("")).join(name), limits)
 }
 
 /// Reads the bytes of a file, within the limit.
@@ -64,11 +70,20 @@ fn is_device(about: &std::fs::Metadata) -> bool {
     }
 }
 
-/// Reads the bytes of a file of any format; `name` is used in messages alone.
+/// Reads the bytes of a file of any format that includes no other; `name` is used in messages alone.
 ///
 /// # Errors
 /// [`FileError::Unsupported`] for a format or a kind that is not read, [`FileError::Broken`], [`FileError::Memory`].
 pub fn parse(name: &str, bytes: &[u8], limits: &Limits) -> Result<Contents, FileError> {
+    let none = |_: &str| Err(FileError::System { missing: false, message: "it was read without its folder".into() });
+    parse_with(name, bytes, limits, &mut { none })
+}
+
+/// Reads the bytes of a file of any format; `include` returns the bytes of files that it includes.
+///
+/// # Errors
+/// As [`parse`], and those of `include`.
+pub fn parse_with(name: &str, bytes: &[u8], limits: &Limits, include: &mut Include<'_>) -> Result<Contents, FileError> {
     // some editors write a byte order mark before UTF-8
     let text = bytes.strip_prefix(super::BYTE_ORDER_MARK).unwrap_or(bytes);
     let start = text.trim_ascii_start();
@@ -84,7 +99,14 @@ pub fn parse(name: &str, bytes: &[u8], limits: &Limits) -> Result<Contents, File
     if start.starts_with(b"<") {
         return gismo::parse(text, limits).map(Contents::Patches);
     }
-    let what = format!("{} {}; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read", shown(name.as_bytes()), looks(bytes));
+    if inp::recognises(text) {
+        return inp::parse(text, limits, include).map(Contents::Mesh);
+    }
+    let what = format!(
+        "{} {}; G+Smo XML, MFEM meshes, Gmsh MSH files, VTU grids and Abaqus input files are read",
+        shown(name.as_bytes()),
+        looks(bytes)
+    );
     Err(FileError::Broken { what, spot: Some(Spot::Line(1)) })
 }
 

@@ -1,9 +1,11 @@
-//! Conversion of meshes from and to VTK grids: linear cells and Lagrange cells with equispaced nodes.
+//! Conversion of meshes from and to VTK grids: linear and quadratic cells, and Lagrange cells with equispaced nodes.
 
+use super::budget::Budget;
 use super::gmsh::lexicographic;
 use super::handed::right_handed;
+use super::serendipity::{Completion, MISSING};
 use super::vtu_read::{VtuField, VtuFile};
-use super::{CellShape, FileError, Format, Group, MeshBlock, MeshFile};
+use super::{CellShape, FileError, Format, Group, Limits, MeshBlock, MeshFile};
 use crate::vtu;
 use faying::basis::Cell;
 use std::collections::{BTreeMap, HashMap};
@@ -35,8 +37,42 @@ const SHAPES: [(CellShape, u8, Option<(u8, Cell)>); 8] = [
     (CellShape::Pyramid, 14, None),
 ];
 
+/// Other types of VTK: cells of order 2, whose nodes stand in the order of Lagrange cells, complete ones and those without the nodes inside
+/// faces; and pixels and voxels, whose nodes stand with the first axis fastest.
+const OTHERS: [(u8, CellShape, Stored); 9] = [
+    (8, CellShape::Quadrilateral, Stored::Lattice),
+    (11, CellShape::Hexahedron, Stored::Lattice),
+    (21, CellShape::Line, Stored::Order2),
+    (22, CellShape::Triangle, Stored::Order2),
+    (23, CellShape::Quadrilateral, Stored::Incomplete),
+    (24, CellShape::Tetrahedron, Stored::Order2),
+    (25, CellShape::Hexahedron, Stored::Incomplete),
+    (28, CellShape::Quadrilateral, Stored::Order2),
+    (29, CellShape::Hexahedron, Stored::Order2),
+];
+
+/// How a grid stores the nodes of a cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stored {
+    Linear,
+    Lagrange,
+    Lattice,
+    Order2,
+    Incomplete,
+}
+
+/// The shape of a type of VTK.
+fn shape_of(kind: u8) -> Option<(CellShape, Stored)> {
+    let usual = SHAPES.iter().find_map(|s| match s.2 {
+        _ if s.1 == kind => Some((s.0, Stored::Linear)),
+        Some((lagrange, _)) if lagrange == kind => Some((s.0, Stored::Lagrange)),
+        _ => None,
+    });
+    usual.or_else(|| OTHERS.iter().find(|o| o.0 == kind).map(|o| (o.1, o.2)))
+}
+
 /// Position of VTK's a-th node in the list with the first axis fastest.
-fn places(shape: CellShape, order: usize) -> Vec<usize> {
+pub(super) fn places(shape: CellShape, order: usize) -> Vec<usize> {
     let pad = |list: Vec<Vec<usize>>| -> Vec<[usize; 3]> {
         list.iter().map(|a| std::array::from_fn(|k| a.get(k).copied().unwrap_or(0))).collect()
     };
@@ -54,10 +90,11 @@ fn places(shape: CellShape, order: usize) -> Vec<usize> {
 }
 
 impl VtuFile {
-    /// The mesh of linear cells and Lagrange cells of order 1 to 4, one order in all directions of a cell.
+    /// The mesh of linear and quadratic cells and Lagrange cells of order 1 to 4, one order in all directions of a cell. Quadratic
+    /// quadrilaterals and hexahedra without nodes inside faces get them where their own map has them.
     ///
-    /// Groups are the arrays of [`write_vtu`], else the field `patch`: a group for each of its values, its number that value plus one. The
-    /// elements that this program writes share points only if all data agree; coincident points of one patch are merged. Fields are not
+    /// Groups are the arrays of [`write_vtu`], else the field `patch`: a group for each of its values, its number that value plus one, with
+    /// the name of the patch where the file has it. The elements that this program writes share points only if all data agree; coincident points of one patch are merged. Fields are not
     /// kept.
     ///
     /// # Errors
@@ -70,7 +107,7 @@ impl VtuFile {
             notes.push(format!("fields at points are not kept: {}", fields.join(", ")));
         }
         let patch = self.cell_fields.iter().find(|f| f.name == "patch" && f.components == 1);
-        let (points, place) = match patch.filter(|_| self.cell_fields.iter().any(|f| f.name == "element")) {
+        let (mut points, place) = match patch.filter(|_| self.cell_fields.iter().any(|f| f.name == "element")) {
             Some(patch) => {
                 notes.push("points of one patch at the same place are made one".into());
                 self.welded(patch)
@@ -80,34 +117,44 @@ impl VtuFile {
         let (groups, members) = self.groups(patch);
         let numbers = self.cell_fields.iter().find(|f| f.name == "id" && f.components == 1);
         let degrees = self.cell_fields.iter().find(|f| f.name == "HigherOrderDegrees" && f.components == 3);
-        let mut orders: BTreeMap<(CellShape, usize), Vec<usize>> = BTreeMap::new();
+        let mut orders: BTreeMap<(CellShape, usize, bool), Vec<usize>> = BTreeMap::new();
+        let (mut completion, mut budget) = (Completion::default(), Budget::new(&Limits::default(), 0));
         let mut blocks: BTreeMap<(CellShape, usize, Vec<usize>), MeshBlock> = BTreeMap::new();
         for (k, kind) in self.types.iter().enumerate() {
             let unsupported = |why: &str| {
                 let what = format!("cell {k}, a {} (VTK type {kind}), {why}", super::vtu_read::type_name(*kind));
                 FileError::Unsupported { what, spot: None }
             };
-            let found = SHAPES.iter().find(|s| s.1 == *kind || s.2.is_some_and(|l| l.0 == *kind));
-            let Some(&(shape, linear, _)) = found else {
-                return Err(unsupported("as a cell of a mesh (linear and Lagrange cells are read)"));
+            let Some((shape, stored)) = shape_of(*kind) else {
+                return Err(unsupported("as a cell of a mesh (linear, quadratic and Lagrange cells are read)"));
             };
             let nodes = self.cell(k);
-            let mut order = 1;
-            if *kind != linear {
-                let count = |p: &usize| lexicographic_count(shape, *p) == nodes.len();
-                let of_count = (1..=MAX_ORDER).find(count);
-                let own = degrees.map(|d| &d.values[3 * k..3 * k + shape.dimension()]);
-                order = match own.map_or(of_count, |d| of_count.filter(|p| d.iter().all(|v| *v == *p as f64))) {
-                    Some(p) => p,
-                    None => return Err(unsupported("of an order above 4 or of several orders")),
-                };
-                if shape == CellShape::Hexahedron && order > 1 && self.version < HEXAHEDRA {
-                    return Err(unsupported("in a file older than version 2.1, whose nodes have another order"));
+            let order = match stored {
+                Stored::Linear | Stored::Lattice => 1,
+                Stored::Order2 | Stored::Incomplete => 2,
+                Stored::Lagrange => {
+                    let of_count = (1..=MAX_ORDER).find(|p| lexicographic_count(shape, *p) == nodes.len());
+                    let own = degrees.map(|d| &d.values[3 * k..3 * k + shape.dimension()]);
+                    match own.map_or(of_count, |d| of_count.filter(|p| d.iter().all(|v| *v == *p as f64))) {
+                        Some(p) => p,
+                        None => return Err(unsupported("of an order above 4 or of several orders")),
+                    }
                 }
+            };
+            if stored == Stored::Lagrange && shape == CellShape::Hexahedron && order > 1 && self.version < HEXAHEDRA {
+                return Err(unsupported("in a file older than version 2.1, whose nodes have another order"));
             }
-            let places = orders.entry((shape, order)).or_insert_with(|| places(shape, order));
-            if places.len() != nodes.len() {
-                let what = format!("cell {k} has {} points, a {:?} has {}", nodes.len(), shape, places.len());
+            let places = orders.entry((shape, order, stored == Stored::Lattice)).or_insert_with(|| match stored {
+                Stored::Lattice => (0..lexicographic_count(shape, 1)).collect(),
+                _ => places(shape, order),
+            });
+            let expected = match stored {
+                Stored::Incomplete if shape == CellShape::Quadrilateral => 8,
+                Stored::Incomplete => 20,
+                _ => places.len(),
+            };
+            if expected != nodes.len() {
+                let what = format!("cell {k} has {} points, a {} has {expected}", nodes.len(), super::vtu_read::type_name(*kind));
                 return Err(FileError::Broken { what, spot: None });
             }
             let own: Vec<usize> = members.iter().filter(|(_, field, value)| field.values[k] == *value).map(|m| m.0).collect();
@@ -120,8 +167,11 @@ impl VtuFile {
                 groups: key.2.clone(),
             });
             let first = block.nodes.len();
-            block.nodes.resize(first + nodes.len(), 0);
+            block.nodes.resize(first + places.len(), MISSING);
             nodes.iter().zip(places.iter()).for_each(|(n, p)| block.nodes[first + *p] = place[*n as usize]);
+            if stored == Stored::Incomplete {
+                completion.complete(shape, &mut block.nodes[first..], &mut points, &mut budget)?;
+            }
             block.ids.push(numbers.map_or(k as u64 + 1, |f| f.values[k].max(1.0) as u64));
         }
         let ids = (1..=points.len() as u64).collect();
@@ -140,8 +190,8 @@ impl VtuFile {
             }
         }
         if let Some(patch) = patch.filter(|_| found.is_empty()) {
-            let dimension_of =
-                |kind: &u8| SHAPES.iter().find(|s| s.1 == *kind || s.2.is_some_and(|l| l.0 == *kind)).map(|s| s.0.dimension());
+            let dimension_of = |kind: &u8| shape_of(*kind).map(|s| s.0.dimension());
+            let name_of = |v: i64| self.patches.iter().find(|p| p.0 == v).map(|p| p.1.clone());
             let mut values: Vec<(usize, i64)> = Vec::new();
             for (kind, v) in self.types.iter().zip(&patch.values) {
                 let entry = dimension_of(kind).map(|d| (d, *v as i64));
@@ -155,7 +205,9 @@ impl VtuFile {
             if values.len() <= 64 {
                 found = values
                     .iter()
-                    .map(|(dimension, v)| (Group { dimension: *dimension, number: v.saturating_add(1), name: None }, patch, *v as f64))
+                    .map(|(dimension, v)| {
+                        (Group { dimension: *dimension, number: v.saturating_add(1), name: name_of(*v) }, patch, *v as f64)
+                    })
                     .collect();
             }
         }

@@ -1,11 +1,13 @@
 //! Reader of VTK unstructured grids (`.vtu`): points, cells, fields.
 //!
-//! Arrays as text, in base64 inside the document, or appended raw or in base64, uncompressed or compressed by zlib; either byte order.
+//! Arrays as text, in base64 inside the document, or appended raw or in base64, uncompressed or compressed by zlib, LZ4 or LZMA; either
+//! byte order. What stands inside an array beside its text, such as the keys of information that VTK adds, is skipped.
 //! Source: "VTK XML Formats", vtk.org; the conventions of this program's own writer are in [`crate::vtu`].
 
 use super::budget::Budget;
-use super::vtu_bytes::{Fault, Header};
-use super::{FileError, Limits, Spot};
+use super::vtu_array::{Array, Layout, attribute};
+use super::vtu_bytes::Compression;
+use super::{FileError, Limits, Spot, vtu};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
 use std::borrow::Cow;
@@ -55,6 +57,8 @@ pub struct VtuFile {
     pub point_fields: Vec<VtuField>,
     /// Fields of cells, the degrees of high-order cells among them.
     pub cell_fields: Vec<VtuField>,
+    /// Numbers and names of the patches, where this program wrote the file: the field `patch` has the number in each cell.
+    pub patches: Vec<(i64, String)>,
 }
 
 impl VtuFile {
@@ -78,11 +82,20 @@ pub fn type_name(number: u8) -> &'static str {
         1 => "vertex",
         3 => "line",
         5 => "triangle",
+        8 => "pixel",
         9 => "quadrilateral",
         10 => "tetrahedron",
+        11 => "voxel",
         12 => "hexahedron",
         13 => "wedge",
         14 => "pyramid",
+        21 => "quadratic line",
+        22 => "quadratic triangle",
+        23 => "8-node quadrilateral",
+        24 => "quadratic tetrahedron",
+        25 => "20-node hexahedron",
+        28 => "biquadratic quadrilateral",
+        29 => "triquadratic hexahedron",
         68 => "Lagrange curve",
         69 => "Lagrange triangle",
         70 => "Lagrange quadrilateral",
@@ -114,13 +127,35 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<VtuFile, FileError> {
         State { file: VtuFile::default(), appended, layout: Layout::default(), budget: Budget::new(limits, bytes.len()), piece: None };
     let mut reader = Reader::from_reader(xml);
     let mut path: Vec<Vec<u8>> = Vec::new();
-    let mut open: Option<Array> = None;
+    let mut open: Option<Open<'_>> = None;
     loop {
         let at = reader.buffer_position() as usize;
         let spot = Some(Spot::Byte(at));
         let event = reader.read_event().map_err(|e| FileError::Broken { what: format!("XML: {e}"), spot })?;
+        if let Some(array) = &mut open {
+            match event {
+                Event::Start(_) => array.inside += 1,
+                Event::End(_) if array.inside > 0 => array.inside -= 1,
+                Event::End(_) => {
+                    if let Some(Open { array, text, .. }) = open.take() {
+                        state.store(&path, array, &text)?;
+                    }
+                }
+                Event::Text(text) if array.inside == 0 && text.iter().any(|b| !b.is_ascii_whitespace()) => {
+                    if !array.text.is_empty() {
+                        return Err(FileError::Broken { what: "the text of an array stands in two parts".into(), spot });
+                    }
+                    array.text = text.into_inner();
+                }
+                Event::Eof => return Err(FileError::Broken { what: "the file ends inside an array".into(), spot }),
+                _ => {}
+            }
+            continue;
+        }
         match event {
-            Event::Start(tag) if tag.name().as_ref() == b"DataArray" => open = Some(state.array(&tag, at)?),
+            Event::Start(tag) if tag.name().as_ref() == b"DataArray" => {
+                open = Some(Open { array: state.array(&tag, at)?, text: Cow::Borrowed(b""), inside: 0 });
+            }
             Event::Empty(tag) if tag.name().as_ref() == b"DataArray" => {
                 let array = state.array(&tag, at)?;
                 state.store(&path, array, b"")?;
@@ -137,16 +172,6 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<VtuFile, FileError> {
                 }
                 path.push(tag.name().as_ref()[..tag.name().as_ref().len().min(64)].to_vec());
             }
-            Event::Text(text) if text.iter().any(|b| !b.is_ascii_whitespace()) => {
-                if let Some(array) = open.take() {
-                    state.store(&path, array, &text)?;
-                }
-            }
-            Event::End(tag) if tag.name().as_ref() == b"DataArray" => {
-                if let Some(array) = open.take() {
-                    state.store(&path, array, b"")?;
-                }
-            }
             Event::End(tag) => {
                 if tag.name().as_ref() == b"Piece" {
                     state.end_piece(at)?;
@@ -157,7 +182,7 @@ pub fn parse(bytes: &[u8], limits: &Limits) -> Result<VtuFile, FileError> {
             _ => {}
         }
     }
-    if state.layout.kind.is_none() {
+    if !state.layout.known {
         return Err(FileError::Broken { what: "the file has no VTKFile element".into(), spot: Some(Spot::Byte(0)) });
     }
     if state.piece.is_some() {
@@ -178,24 +203,12 @@ fn appended(bytes: &[u8]) -> Result<(&[u8], Option<(&[u8], bool)>), FileError> {
     Ok((&bytes[..at], Some((&bytes[underscore + 1..], base64))))
 }
 
-/// Encoding of the arrays of the file.
-#[derive(Clone, Copy, Debug, Default)]
-struct Layout {
-    kind: Option<()>,
-    big_endian: bool,
-    wide: bool,
-    compressed: bool,
-}
-
-/// An array's head.
-#[derive(Clone, Debug)]
-struct Array {
-    name: String,
-    kind: String,
-    components: usize,
-    format: String,
-    offset: usize,
-    at: usize,
+/// An array whose end was not met yet.
+struct Open<'a> {
+    array: Array,
+    text: Cow<'a, [u8]>,
+    /// Elements inside that are open.
+    inside: usize,
 }
 
 /// Adds the values of an array to the field of its name.
@@ -233,12 +246,6 @@ struct State<'a> {
     piece: Option<Piece>,
 }
 
-fn attribute(tag: &BytesStart<'_>, name: &str) -> Option<String> {
-    let value = tag.try_get_attribute(name).ok().flatten()?;
-    let unescaped = value.normalized_value(quick_xml::XmlVersion::Implicit1_0).ok()?;
-    Some(unescaped.into_owned())
-}
-
 impl State<'_> {
     fn start(&mut self, tag: &BytesStart<'_>, at: usize) -> Result<(), FileError> {
         let spot = Some(Spot::Byte(at));
@@ -250,18 +257,19 @@ impl State<'_> {
                     return unsupported(format!("a VTK file of type {}", kind.chars().take(24).collect::<String>()));
                 }
                 let compressor = attribute(tag, "compressor").filter(|c| !c.is_empty());
-                if let Some(other) = compressor.as_ref().filter(|c| *c != "vtkZLibDataCompressor") {
+                let compression = compressor.as_ref().and_then(|c| Compression::of_name(c));
+                if let Some(other) = compressor.filter(|_| compression.is_none()) {
                     let other = other.chars().take(32).collect::<String>();
-                    return unsupported(format!("a VTU file compressed by {other} (save it with zlib or without compression)"));
+                    return unsupported(format!("a VTU file compressed by {other} (zlib, LZ4, LZMA and no compression are read)"));
                 }
                 let version = attribute(tag, "version").unwrap_or_default();
                 let mut parts = version.split('.').map(|p| p.parse::<u8>().unwrap_or(0));
                 self.file.version = 100 * u32::from(parts.next().unwrap_or(0)) + u32::from(parts.next().unwrap_or(0));
                 self.layout = Layout {
-                    kind: Some(()),
+                    known: true,
                     big_endian: attribute(tag, "byte_order").is_some_and(|o| o == "BigEndian"),
                     wide: attribute(tag, "header_type").is_some_and(|h| h == "UInt64"),
-                    compressed: compressor.is_some(),
+                    compression,
                 };
             }
             b"Piece" => {
@@ -288,95 +296,19 @@ impl State<'_> {
     }
 
     fn array(&mut self, tag: &BytesStart<'_>, at: usize) -> Result<Array, FileError> {
-        let text = |name: &str| attribute(tag, name).unwrap_or_default();
-        let components = attribute(tag, "NumberOfComponents").map_or(Some(1), |c| c.parse().ok()).filter(|c| (1..=64).contains(c));
-        let Some(components) = components else {
-            return Err(FileError::Broken {
-                what: "an array whose number of components is not 1 to 64".into(),
-                spot: Some(Spot::Byte(at)),
-            });
-        };
         self.budget.take(256 + tag.len() as u64)?;
-        Ok(Array {
-            name: text("Name"),
-            kind: text("type"),
-            components,
-            format: text("format"),
-            offset: text("offset").parse().unwrap_or(0),
-            at,
-        })
-    }
-
-    /// Values of an array, whatever its encoding.
-    fn values(&mut self, array: &Array, text: &[u8]) -> Result<Vec<f64>, FileError> {
-        let spot = Some(Spot::Byte(array.at));
-        let broken = |what: &str| FileError::Broken { what: format!("array \"{}\": {what}", array.name), spot };
-        let (size, real) = match array.kind.as_str() {
-            "Float64" => (8, true),
-            "Float32" => (4, true),
-            "Int64" | "UInt64" => (8, false),
-            "Int32" | "UInt32" => (4, false),
-            "Int16" | "UInt16" => (2, false),
-            "Int8" | "UInt8" => (1, false),
-            other => {
-                return Err(FileError::Unsupported {
-                    what: format!("an array of type {}", other.chars().take(24).collect::<String>()),
-                    spot,
-                });
-            }
-        };
-        let mut values = Vec::new();
-        if array.format == "ascii" {
-            for word in text.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty()) {
-                let value = std::str::from_utf8(word).ok().and_then(|w| w.parse().ok()).ok_or_else(|| broken("a word is no number"))?;
-                self.budget.room(&mut values, 1)?;
-                values.push(value);
-            }
-            return Ok(values);
-        }
-        let (source, base64) = match (array.format.as_str(), self.appended) {
-            ("binary", _) => (text.trim_ascii(), true),
-            ("appended", Some((data, base64))) => (data.get(array.offset..).unwrap_or_default(), base64),
-            _ => return Err(broken("its format is not ascii, binary or appended, or nothing is appended")),
-        };
-        let header = Header { bytes: if self.layout.wide { 8 } else { 4 }, big_endian: self.layout.big_endian };
-        let raw = if self.layout.compressed {
-            header.unpacked(source, base64, &mut self.budget)
-        } else {
-            header.plain(source, base64, &mut self.budget)
-        };
-        let raw = raw.map_err(|fault| match fault {
-            Fault::Broken(what) => broken(what),
-            Fault::Memory(error) => error,
-        })?;
-        let count = raw.len();
-        if count % size != 0 {
-            return Err(broken("its length is no multiple of its type's"));
-        }
-        self.budget.room(&mut values, count / size)?;
-        let signed = array.kind.starts_with("Int");
-        values.extend(raw.chunks_exact(size).map(|chunk| {
-            let mut word = [0; 8];
-            word[..size].copy_from_slice(chunk);
-            if self.layout.big_endian {
-                word[..size].reverse();
-            }
-            let bits = u64::from_le_bytes(word);
-            match (real, size, signed) {
-                (true, 8, _) => f64::from_bits(bits),
-                (true, _, _) => f64::from(f32::from_bits(bits as u32)),
-                (false, _, true) => (((bits << (64 - 8 * size)) as i64) >> (64 - 8 * size)) as f64,
-                (false, _, false) => bits as f64,
-            }
-        }));
-        if let Cow::Owned(raw) = raw {
-            self.budget.give(raw.capacity() as u64);
-        }
-        Ok(values)
+        Array::new(tag, at)
     }
 
     fn store(&mut self, path: &[Vec<u8>], array: Array, text: &[u8]) -> Result<(), FileError> {
         let place = path.last().map_or(&b""[..], |p| p);
+        if let Some(name) = array.name.strip_prefix(vtu::PATCH).filter(|_| place == b"FieldData") {
+            let number = array.values(&self.layout, self.appended, text, &mut self.budget)?;
+            if let Some(number) = number.first().filter(|_| self.file.patches.len() < MAX_FIELDS) {
+                self.file.patches.push((*number as i64, name.to_owned()));
+            }
+            return Ok(());
+        }
         let wanted = matches!((place, array.name.as_str()), (b"Cells", "connectivity" | "offsets" | "types"))
             || matches!(place, b"Points" | b"PointData" | b"CellData");
         if !wanted {
@@ -384,7 +316,7 @@ impl State<'_> {
         }
         let spot = Some(Spot::Byte(array.at));
         let broken = |what: String| FileError::Broken { what, spot };
-        let values = self.values(&array, text)?;
+        let values = array.values(&self.layout, self.appended, text, &mut self.budget)?;
         let Some(piece) = &self.piece else { return Err(broken("an array outside a Piece".into())) };
         let (points, cells) = (piece.points, piece.cells);
         let first_point = piece.first_point;

@@ -58,7 +58,7 @@ fn cannot_open(name: &str, path: &Path, why: &str, missing: bool) -> Diagnostic 
 ///
 /// # Errors
 /// [`FileError::System`], or [`FileError::Memory`] where it is longer.
-pub(crate) fn bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, FileError> {
+pub(crate) fn bytes_at(path: &Path, most: Option<u64>) -> Result<Vec<u8>, FileError> {
     let system = |e: std::io::Error| FileError::System { missing: e.kind() == std::io::ErrorKind::NotFound, message: e.to_string() };
     let plain = |message: &str| FileError::System { missing: false, message: message.to_owned() };
     // checked before opening: opening a pipe waits for a writer
@@ -82,21 +82,31 @@ pub(crate) fn bytes(path: &Path, most: Option<u64>) -> Result<Vec<u8>, FileError
     Ok(bytes)
 }
 
+/// What is recorded of a file that was read.
+fn file_read(name: &str, path: PathBuf, bytes: &[u8]) -> FileRead {
+    let path = std::fs::canonicalize(&path).unwrap_or(path);
+    FileRead { name: name.to_owned(), path, bytes: bytes.len(), sha256: sha256(bytes) }
+}
+
 impl Reader {
     /// The path of a name in the case.
     pub fn path_of(&self, name: &str) -> PathBuf {
         self.folder.join(name)
     }
 
+    /// Records a file that was read, once.
+    fn keep_read(&mut self, file: FileRead) {
+        if !self.files.iter().any(|f| f.path == file.path) {
+            self.files.push(file);
+        }
+    }
+
     /// Bytes of a file that the case names, recorded among its files; errors are reported at `file`.
     fn bytes_of(&mut self, file: &Located<String>, most: Option<u64>) -> Option<Vec<u8>> {
         let path = self.path_of(&file.value);
-        match bytes(&path, most) {
+        match bytes_at(&path, most) {
             Ok(bytes) => {
-                let absolute = std::fs::canonicalize(&path).unwrap_or(path);
-                if !self.files.iter().any(|f| f.path == absolute) {
-                    self.files.push(FileRead { name: file.value.clone(), path: absolute, bytes: bytes.len(), sha256: sha256(&bytes) });
-                }
+                self.keep_read(file_read(&file.value, path, &bytes));
                 Some(bytes)
             }
             Err(FileError::System { missing, message }) => {
@@ -118,11 +128,23 @@ impl Reader {
             return known.contents.clone();
         }
         let memory = self.memory;
-        let contents = self.bytes_of(file, memory).and_then(|bytes| match faying_files::parse("the file", &bytes, &Limits { memory }) {
-            Ok(contents) => Some(Rc::new(contents)),
-            Err(e) => {
-                self.file_fault(&file.value, file.at, &e);
-                None
+        let contents = self.bytes_of(file, memory).and_then(|bytes| {
+            let mut included = Vec::new();
+            let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+            let mut include = |name: &str| {
+                let path = folder.join(name);
+                let bytes = bytes_at(&path, memory)?;
+                included.push(file_read(name, path, &bytes));
+                Ok(bytes)
+            };
+            let parsed = faying_files::parse_with("the file", &bytes, &Limits { memory }, &mut include);
+            included.into_iter().for_each(|file| self.keep_read(file));
+            match parsed {
+                Ok(contents) => Some(Rc::new(contents)),
+                Err(e) => {
+                    self.file_fault(&file.value, file.at, &e);
+                    None
+                }
             }
         });
         self.opened.push(Opened { path, contents: contents.clone() });
@@ -160,7 +182,9 @@ impl Reader {
     pub fn file_fault(&mut self, file: &str, at: SourceSpan, error: &FileError) {
         let help = match error {
             FileError::Memory { .. } => "raise --max-memory, or give a smaller file",
-            FileError::Unsupported { .. } => "read are: G+Smo XML, MFEM meshes, Gmsh 2.2 and 4.1; `faying inspect` shows what a file holds",
+            FileError::Unsupported { .. } => {
+                "read are: G+Smo XML, MFEM meshes, Gmsh 2.2 and 4.1, VTU, Abaqus input files; `faying inspect` shows what a file holds"
+            }
             FileError::Broken { .. } => "`faying inspect` shows what a file holds",
             FileError::Dimension { .. } => {
                 "`dimension` of the case and of what the file holds must be the same, and points of a plane case have z = 0; \

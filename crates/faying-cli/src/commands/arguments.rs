@@ -46,7 +46,7 @@ pub enum Command {
     Sweep(StudyCommand),
     /// Say what is in a mesh, a geometry, a .vtu or a case
     Inspect(InspectArguments),
-    /// Convert between Gmsh, G+Smo XML, MFEM meshes and VTU, by the extension of OUT
+    /// Convert Gmsh, G+Smo XML, MFEM, VTU and Abaqus files and cases, by the extension of OUT
     Convert(ConvertArguments),
     /// JSON Schema of the case file or of result.json
     Schema(SchemaArguments),
@@ -111,7 +111,7 @@ pub struct CheckArguments {
 /// `inspect FILE`.
 #[derive(Args, Clone, Debug)]
 pub struct InspectArguments {
-    /// The file: G+Smo XML, MFEM mesh, Gmsh MSH, VTU, or a case (.toml, - for stdin)
+    /// The file: G+Smo XML, MFEM mesh, Gmsh MSH, VTU, Abaqus or CalculiX .inp, or a case (.toml, - for stdin)
     pub file: PathBuf,
     /// Draw a picture, in FILE [default: the name of the file with .svg, in the current folder]
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true, default_missing_value = "")]
@@ -121,7 +121,7 @@ pub struct InspectArguments {
 /// `convert IN OUT`.
 #[derive(Args, Clone, Debug)]
 pub struct ConvertArguments {
-    /// The file to read, of any of these formats
+    /// The file to read, of any of these formats or an Abaqus or CalculiX .inp, or a case (.toml, - for stdin): its bodies, cut into its elements
     #[arg(value_name = "IN")]
     pub input: PathBuf,
     /// The file to write: .msh (Gmsh 4.1), .xml (G+Smo), .mesh (MFEM), .vtu
@@ -273,6 +273,8 @@ pub enum VtuCells {
     Bezier,
     /// Straight cells
     Linear,
+    /// Linear and quadratic cells that every reader knows; points are shared, with means of what jumps there, and cells have middle values
+    Quadratic,
     /// No .vtu files
     None,
 }

@@ -1,10 +1,11 @@
-//! `faying convert`: a mesh or geometry file in another format.
+//! `faying convert`: a mesh or geometry file, or the bodies of a case, in another format.
 
 use super::arguments::{Common, ConvertArguments};
 use super::case;
 use super::ended::Exit;
 use super::inspect::{contents, fault, room, write};
 use super::place;
+use crate::Registry;
 use crate::convert::{ConvertOptions, convert as written, format_of, memory};
 use crate::errors::{Diagnostic, Diagnostics};
 use serde_json::json;
@@ -26,14 +27,14 @@ pub fn check_place(arguments: &ConvertArguments, common: &Common, json: Option<&
 }
 
 /// Converts a file.
-pub fn convert(arguments: &ConvertArguments, common: &Common) -> Exit {
-    converted(arguments, common).unwrap_or_else(|ended| ended)
+pub fn convert(registry: &Registry, arguments: &ConvertArguments, common: &Common) -> Exit {
+    converted(registry, arguments, common).unwrap_or_else(|ended| ended)
 }
 
-fn converted(arguments: &ConvertArguments, common: &Common) -> Result<Exit, Exit> {
+fn converted(registry: &Registry, arguments: &ConvertArguments, common: &Common) -> Result<Exit, Exit> {
     let (input, output) = (&arguments.input, &arguments.output);
     let to = format_of(output).expect("its place was checked before");
-    let read = contents(input, common)?;
+    let read = contents(registry, input, common)?;
     let options = ConvertOptions { order: arguments.order.map(usize::from), binary: arguments.binary };
     room(input, memory(&read, to, &options), common)?;
     let pool = case::pool(common)?;

@@ -3,17 +3,15 @@
 use super::arguments::{Common, InspectArguments};
 use super::ended::Exit;
 use super::folder::{write_new, write_whole};
-use super::{case, place};
+use super::{case, geometries, place};
 use crate::Registry;
-use crate::case::{Case, Shape};
-use crate::errors::{Diagnostic, Diagnostics, nearest};
+use crate::case::Case;
+use crate::errors::{Diagnostic, nearest};
 use crate::inspect::{Inspection, add_fields, inspect as look, mesh_of, picture};
 use crate::plot::faces;
 use crate::run::memory_for_files;
-use crate::shapes::{plane_net, solid_net};
 use crate::text_format::bytes;
-use faying::geometry::ControlNet;
-use faying_files::{Contents, FileError, Format, Limits, SplineFile, SplinePatch, parse, read, read_bytes, vtu_read};
+use faying_files::{Contents, FileError, Limits, beside, parse_with, read, read_bytes, vtu_read};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -53,8 +51,17 @@ pub fn fault(path: &Path, error: &FileError) -> Diagnostic {
     diagnostic.in_file(path.display().to_string())
 }
 
-/// Reads a file of any format.
-pub fn contents(path: &Path, common: &Common) -> Result<Contents, Exit> {
+/// Whether a name is that of a case: stdin, or a TOML file.
+pub fn is_case(path: &Path) -> bool {
+    path.as_os_str() == "-" || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"))
+}
+
+/// Reads a file of any format, or the bodies of a case, cut into its elements.
+pub fn contents(registry: &Registry, path: &Path, common: &Common) -> Result<Contents, Exit> {
+    if is_case(path) {
+        let loaded = case::load(path, None, common, registry)?;
+        return Ok(Contents::Patches(geometries::cut(&loaded.case).map_err(Exit::failed)?));
+    }
     read(path, &Limits { memory: memory_for_files(common.max_memory) }).map_err(|e| fault(path, &e).into())
 }
 
@@ -71,46 +78,6 @@ pub fn room(path: &Path, needed: u64, common: &Common) -> Result<(), Exit> {
     Err(fault.in_file(path.display().to_string()).into())
 }
 
-/// The geometries of a case as patches, with notes on those that are read from a mesh.
-fn patches(case: &Case) -> Result<SplineFile, Diagnostics> {
-    let mut file = SplineFile { format: Format::Gismo, patches: Vec::new(), joints: Vec::new(), labels: Vec::new(), notes: Vec::new() };
-    for patch in &case.patches {
-        let name = &patch.name.value;
-        // mesh cells are no splines; splines of files are already scaled, rotated and moved
-        if let Shape::File { file: path, .. } = &patch.geometry.value.shape.value
-            && patch.geometry.shape.mesh_part().is_some()
-        {
-            file.notes.push(format!("patch \"{name}\" is of a mesh: faying inspect {}", path.value));
-            continue;
-        }
-        let made = match case.model.dimension.value {
-            3 => solid_net(&patch.geometry.value).map(|net| of_net(name, net)),
-            _ => plane_net(&patch.geometry.value).map(|net| of_net(name, net)),
-        };
-        match made {
-            Ok(patch) => file.patches.push(patch),
-            Err(fault) => {
-                let text = format!("geometry of patch \"{name}\": {fault}");
-                return Err(Diagnostic::error(fault.code, text).at(&case.source, patch.geometry.at).into());
-            }
-        }
-    }
-    Ok(file)
-}
-
-/// A control net as a patch of a file.
-fn of_net<const N: usize>(name: &str, net: ControlNet<N, N>) -> SplinePatch {
-    SplinePatch {
-        name: Some(name.to_owned()),
-        degree: net.axes.iter().map(|a| a.polynomial_degree()).collect(),
-        knots: net.axes.iter().map(|a| a.knots().to_vec()).collect(),
-        points: net.points.iter().map(|p| std::array::from_fn(|k| if k < N { p[k] } else { 0.0 })).collect(),
-        weights: net.weights,
-        world: N,
-        ..SplinePatch::default()
-    }
-}
-
 /// Inspects a file.
 pub fn inspect(registry: &Registry, arguments: &InspectArguments, common: &Common) -> Exit {
     inspected(registry, arguments, common).unwrap_or_else(|ended| ended)
@@ -119,11 +86,10 @@ pub fn inspect(registry: &Registry, arguments: &InspectArguments, common: &Commo
 fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common) -> Result<Exit, Exit> {
     let path = &arguments.file;
     let name = path.display().to_string();
-    let is_case = path.as_os_str() == "-" || path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
     let mut grid = None;
-    let (contents, case) = if is_case {
+    let (contents, case) = if is_case(path) {
         let loaded = case::load(path, None, common, registry)?;
-        (Contents::Patches(patches(&loaded.case).map_err(Exit::failed)?), Some(loaded.case))
+        (Contents::Patches(geometries::patches(&loaded.case).map_err(Exit::failed)?), Some(loaded.case))
     } else {
         let limits = Limits { memory: memory_for_files(common.max_memory) };
         let failed = |e: FileError| Exit::from(fault(path, &e));
@@ -134,7 +100,7 @@ fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common)
             grid = Some(file);
             (Contents::Mesh(mesh), None)
         } else {
-            (parse("the file", &bytes, &limits).map_err(failed)?, None)
+            (parse_with("the file", &bytes, &limits, &mut beside(path, &limits)).map_err(failed)?, None)
         }
     };
     room(path, crate::inspect::memory(&contents), common)?;

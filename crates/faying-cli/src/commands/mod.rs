@@ -11,6 +11,7 @@ mod ended;
 mod explain;
 mod files;
 mod folder;
+mod geometries;
 mod history;
 mod inspect;
 mod keep;
@@ -109,7 +110,7 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
         Command::Schema(schema) => schema::schema(registry, schema),
         Command::Explain(code) => explain::explain(code, &registry.case_names()),
         Command::Inspect(inspect) => inspect::inspect(registry, inspect, &arguments.common),
-        Command::Convert(convert) => convert::convert(convert, &arguments.common),
+        Command::Convert(convert) => convert::convert(registry, convert, &arguments.common),
         Command::Infsup(command) => {
             let method = |values: Option<&StudyValues>| -> Box<dyn Method + Sync + '_> {
                 let word = |of: fn(&StudyValues) -> &Option<String>| values.and_then(|v| of(v).as_deref());

@@ -40,6 +40,7 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
         Some(VtuCells::Bezier) => Some(CellStyle::Bezier),
         Some(VtuCells::Lagrange) => Some(CellStyle::Lagrange),
         Some(VtuCells::Linear) => Some(CellStyle::Linear),
+        Some(VtuCells::Quadratic) => Some(CellStyle::Quadratic),
         Some(VtuCells::None) | None => None,
     };
     let threads = pool.current_num_threads();

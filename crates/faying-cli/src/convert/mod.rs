@@ -84,6 +84,7 @@ pub fn convert(contents: &Contents, to: Format, options: &ConvertOptions) -> Res
             let written = match to {
                 Format::Gismo => gismo::write(file),
                 Format::Mfem => mfem::write(file)?,
+                Format::Abaqus => return Err(read_only()),
                 Format::Gmsh | Format::Vtu => {
                     let degree = file.patches.iter().flat_map(|p| p.degree.iter().copied()).max().unwrap_or(1);
                     let sampled = sample(file, options.order.unwrap_or(degree.clamp(1, MAX_ORDER)))?;
@@ -108,9 +109,15 @@ pub fn convert(contents: &Contents, to: Format, options: &ConvertOptions) -> Res
                 let written = mfem::write_mesh(mesh)?;
                 Ok(Converted { bytes: written.text.into_bytes(), lost: mesh.notes.iter().cloned().chain(written.lost).collect() })
             }
+            Format::Abaqus => Err(read_only()),
             Format::Gmsh | Format::Vtu => Ok(Converted { bytes: of_mesh(mesh, to, options)?, lost: mesh.notes.clone() }),
         },
     }
+}
+
+/// Error of a format that is only read.
+fn read_only() -> FileError {
+    FileError::Unsupported { what: "an Abaqus input file as output".into(), spot: None }
 }
 
 fn of_mesh(mesh: &faying_files::MeshFile, to: Format, options: &ConvertOptions) -> Result<Vec<u8>, FileError> {

@@ -4,7 +4,7 @@ use super::CellMap;
 use super::look::{Soundness, is_flat, look};
 use crate::lower::unshared_text;
 use faying::space::{measure, unshared_points};
-use faying_files::{Format, MeshBlock, MeshFile};
+use faying_files::{CellShape, Format, MeshBlock, MeshFile};
 use serde::Serialize;
 
 /// Cells of one shape and order.
@@ -32,13 +32,25 @@ pub struct GroupReport {
     pub cells: usize,
     /// Its nodes.
     pub nodes: usize,
-    /// Their length, area or volume; `None` if none of them has one: points, prisms, pyramids.
+    /// Their length, area or volume; `None` if none of them has one: points, prisms and pyramids of order 2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measure: Option<f64>,
 }
 
-/// Length, area or volume of the cells of a block; `None` for points, prisms and pyramids.
+/// Length, area or volume of the cells of a block; `None` for points, and prisms and pyramids of order 2.
 pub fn size(block: &MeshBlock, points: &[[f64; 3]]) -> Option<f64> {
+    // a prism is a hexahedron two edges of which are points, a pyramid one with a face that is a point
+    let collapsed: &[usize] = match (block.shape, block.order) {
+        (CellShape::Prism, 1) => &[0, 1, 2, 2, 3, 4, 5, 5],
+        (CellShape::Pyramid, 1) => &[0, 1, 3, 2, 4, 4, 4, 4],
+        _ => &[],
+    };
+    if !collapsed.is_empty() {
+        let corners = if block.shape == CellShape::Prism { 6 } else { 5 };
+        let nodes = block.nodes.chunks_exact(corners).flat_map(|cell| collapsed.iter().map(|k| cell[*k])).collect();
+        let hexahedra = MeshBlock { shape: CellShape::Hexahedron, order: 1, nodes, ids: Vec::new(), groups: Vec::new() };
+        return CellMap::<3>::new(&hexahedra, points).map(|m| measure::<3, 3, f64, _>(&m));
+    }
     match block.shape.dimension() {
         1 => CellMap::<1>::new(block, points).map(|m| measure::<1, 3, f64, _>(&m)),
         2 => CellMap::<2>::new(block, points).map(|m| measure::<2, 3, f64, _>(&m)),
@@ -81,7 +93,7 @@ pub fn unshared(mesh: &MeshFile) -> Option<String> {
 
 /// Kinds of cells, those of the highest dimension last.
 pub fn cells(mesh: &MeshFile) -> Vec<CellsReport> {
-    let mut all: Vec<(faying_files::CellShape, usize, usize)> = Vec::new();
+    let mut all: Vec<(CellShape, usize, usize)> = Vec::new();
     for block in &mesh.blocks {
         match all.iter_mut().find(|(shape, order, _)| (*shape, *order) == (block.shape, block.order)) {
             Some((_, _, count)) => *count += block.ids.len(),

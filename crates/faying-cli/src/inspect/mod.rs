@@ -14,7 +14,7 @@ pub use splines::{LabelReport, PatchReport, face, faces, map_of, name_of};
 
 use crate::table::{Table, short};
 pub use faying_files::CellMap;
-use faying_files::{Contents, FileError, Format, MeshFile, SplineFile, SplinePatch};
+use faying_files::{CellShape, Contents, FileError, Format, MeshFile, SplineFile, SplinePatch};
 use serde::Serialize;
 use std::fmt::Write as _;
 
@@ -63,6 +63,7 @@ fn word(format: Format) -> &'static str {
         Format::Mfem => "MFEM mesh",
         Format::Gmsh => "Gmsh MSH",
         Format::Vtu => "VTK unstructured grid",
+        Format::Abaqus => "Abaqus input file",
     }
 }
 
@@ -129,8 +130,9 @@ fn of_mesh(mesh: &MeshFile) -> Inspection {
     let top = mesh.blocks.iter().zip(&sizes).filter(|(b, _)| b.shape.dimension() == dimension);
     let quality = meshes::soundness(mesh);
     let mut notes = mesh.notes.clone();
-    if top.clone().any(|(_, s)| s.is_none()) {
-        notes.push("prisms and pyramids are counted, not measured; no body is made of them".into());
+    if top.clone().any(|(b, _)| matches!(b.shape, CellShape::Prism | CellShape::Pyramid)) {
+        let measured = if top.clone().any(|(_, s)| s.is_none()) { "; those of order 2 are counted, not measured" } else { "" };
+        notes.push(format!("no body is made of prisms and pyramids, and their quality is not looked at{measured}"));
     }
     add_inverted(&quality, &mut notes);
     notes.extend(meshes::unshared(mesh));

@@ -78,7 +78,8 @@ fn body<const S: usize, const N: usize>(
         }
     };
     let (values, stresses, equivalent, all) = (at(), at(), at(), at());
-    let part = Part::new(name.to_owned(), Arc::clone(space), options.cells.unwrap_or(CellStyle::Lagrange));
+    let mut part = Part::new(name.to_owned(), Arc::clone(space), options.cells.unwrap_or(CellStyle::Lagrange));
+    part.averaged = part.style == CellStyle::Quadratic;
     if solved.solution.contents().components() == 1 {
         return part.with_exact("u", 1, move |e, xi| values(e, xi).iter().map(|p| p.u[0]).collect());
     }
@@ -91,9 +92,12 @@ fn body<const S: usize, const N: usize>(
         })
 }
 
-/// Style of cells of a side: linear if the bodies have linear cells, else curved.
+/// Style of cells of a side: linear or quadratic if the bodies have such cells, else Lagrange cells.
 fn side_cells(options: &RunOptions) -> CellStyle {
-    if options.cells == Some(CellStyle::Linear) { CellStyle::Linear } else { CellStyle::Lagrange }
+    match options.cells {
+        Some(cells @ (CellStyle::Linear | CellStyle::Quadratic)) => cells,
+        _ => CellStyle::Lagrange,
+    }
 }
 
 /// The name of a slave side in files, whether it is one of a contact, its fields and its table.
@@ -119,6 +123,10 @@ fn side_output<const S: usize, const N: usize>(
         .with("active", 1, show(SideField::active))
         .with("traction", components, show(SideField::traction))
         .with("normal", N, show(SideField::normal));
+    if contact {
+        // no negative zeros
+        part = part.with("pressure", 1, show(|field, element, xi| field.lambda(element, xi).into_iter().map(|l| 0.0 - l).collect()));
+    }
     let place = |x: &Vector<N>| std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
     let row = |p: &SidePoint<N>| InterfaceRow { s: p.s, x: place(&p.x), lambda: p.lambda.clone(), gap: p.gap, active: p.active };
     let rows = field.points().iter().map(row).collect();

@@ -1,6 +1,7 @@
 //! The program itself: commands, files, exits, streams.
 #![allow(clippy::unwrap_used)]
 
+mod abaqus;
 mod brivadis;
 mod common;
 mod compare;
@@ -20,3 +21,4 @@ mod stored_reference;
 mod studies;
 mod study_rules;
 mod vtk;
+mod vtu_shared;

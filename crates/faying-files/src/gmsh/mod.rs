@@ -12,6 +12,7 @@ mod scan;
 mod write;
 
 pub(super) use kinds::lexicographic;
+pub(super) use nodes::Lookup;
 
 use super::{FileError, Limits, MeshFile};
 

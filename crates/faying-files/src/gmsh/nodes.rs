@@ -11,7 +11,7 @@ const NONE: u32 = u32::MAX;
 
 /// Lookup of indices by numbers.
 #[derive(Debug)]
-pub(super) enum Lookup {
+pub(crate) enum Lookup {
     /// Numbers `first..first + count` in order.
     Run { first: u64, count: u64 },
     /// Index by number minus `first`.

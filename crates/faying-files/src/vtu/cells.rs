@@ -16,6 +16,7 @@ pub const MAX_DEGREE: usize = 10;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Shape {
     Linear,
+    Quadratic,
     Lagrange,
     Bezier,
 }
@@ -23,15 +24,16 @@ pub(crate) enum Shape {
 /// VTK's number of the cell type.
 pub(crate) fn cell_type(dimension: usize, cell: Cell, shape: Shape) -> u8 {
     let simplex = cell == Cell::Simplex;
-    let (linear, lagrange) = match (dimension, simplex) {
-        (1, _) => (3, 68),
-        (2, true) => (5, 69),
-        (2, false) => (9, 70),
-        (_, true) => (10, 71),
-        (_, false) => (12, 72),
+    let (linear, quadratic, lagrange) = match (dimension, simplex) {
+        (1, _) => (3, 21, 68),
+        (2, true) => (5, 22, 69),
+        (2, false) => (9, 28, 70),
+        (_, true) => (10, 24, 71),
+        (_, false) => (12, 29, 72),
     };
     match shape {
         Shape::Linear => linear,
+        Shape::Quadratic => quadratic,
         Shape::Lagrange => lagrange,
         Shape::Bezier => lagrange + 7,
     }

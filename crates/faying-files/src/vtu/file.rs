@@ -1,15 +1,26 @@
 //! The arrays of all pieces, and the XML document that holds them.
 
-use super::piece::Piece;
+use super::PATCH;
+use super::piece::{AHEAD, Piece};
 use super::points::Points;
 use flate2::{Compress, Compression, FlushCompress};
 use quick_xml::Writer;
 use quick_xml::events::{BytesEnd, BytesStart, Event};
 use rayon::prelude::*;
 
+/// A field of a file.
+pub(super) struct Kept {
+    pub name: String,
+    pub components: usize,
+    /// Whether points have means over the elements around; its values in the middle of elements are kept, too.
+    pub averaged: bool,
+}
+
 /// The arrays of a file.
 pub(super) struct Grid {
-    names: Vec<(String, usize)>,
+    kept: Vec<Kept>,
+    /// Names of the parts.
+    parts: Vec<String>,
     points: Points,
     rational: bool,
     connectivity: Vec<i64>,
@@ -18,18 +29,19 @@ pub(super) struct Grid {
     degrees: Vec<f64>,
     patch: Vec<i32>,
     element: Vec<i32>,
+    /// Per field the values in cells; empty where it is not averaged.
+    middles: Vec<Vec<f64>>,
     /// Points of the current element.
     ids: Vec<usize>,
 }
 
 impl Grid {
-    /// Creates a grid with point fields of the given `names` and numbers of components.
-    pub fn new(names: Vec<(String, usize)>) -> Self {
-        let points = Points::new(names.iter().map(|n| n.1).collect());
+    /// Creates a grid with the given point fields.
+    pub fn new(kept: Vec<Kept>) -> Self {
         let (connectivity, offsets, types, degrees) = Default::default();
         Self {
-            names,
-            points,
+            points: Points::new(&kept),
+            parts: Vec::new(),
             rational: false,
             connectivity,
             offsets,
@@ -37,12 +49,15 @@ impl Grid {
             degrees,
             patch: Vec::new(),
             element: Vec::new(),
+            middles: vec![Vec::new(); kept.len()],
+            kept,
             ids: Vec::new(),
         }
     }
 
     /// Begins a part of the given number of elements.
-    pub fn begin(&mut self, elements: usize) {
+    pub fn begin(&mut self, name: &str, elements: usize) {
+        self.parts.push(name.to_owned());
         self.points.begin(elements);
     }
 
@@ -56,6 +71,13 @@ impl Grid {
             self.degrees.extend(piece.degrees);
             self.patch.push(i32::try_from(part).unwrap_or(i32::MAX));
             self.element.push(i32::try_from(element).unwrap_or(i32::MAX));
+            let mut first = AHEAD;
+            for (field, values) in self.kept.iter().zip(&mut self.middles) {
+                if field.averaged {
+                    values.extend_from_slice(&piece.middle[first..first + field.components]);
+                }
+                first += field.components;
+            }
         }
     }
 
@@ -65,12 +87,18 @@ impl Grid {
         let high_order = self.types.iter().any(|t| *t >= 68);
         let mut file = File::new(hexahedra);
         file.start("UnstructuredGrid", &[]);
+        file.start("FieldData", &[]);
+        for (name, number) in self.parts.iter().zip(0i32..) {
+            file.array_with("Int32", &format!("{PATCH}{name}"), 1, &[("NumberOfTuples", "1")], std::iter::once(number.to_le_bytes()));
+        }
+        file.end("FieldData");
         let (points, cells) = (self.points.x.len().to_string(), self.types.len().to_string());
         file.start("Piece", &[("NumberOfPoints", &points), ("NumberOfCells", &cells)]);
         // the attribute, not the array alone, makes readers use the weights
         file.start("PointData", if self.rational { &[("RationalWeights", "RationalWeights")] } else { &[] });
-        for ((name, components), values) in self.names.iter().zip(std::mem::take(&mut self.points.fields)) {
-            file.array("Float64", name, *components, values.into_iter().map(f64::to_le_bytes));
+        self.points.average();
+        for (field, values) in self.kept.iter().zip(std::mem::take(&mut self.points.fields)) {
+            file.field(field, values);
         }
         let weights = std::mem::take(&mut self.points.weights);
         if self.rational {
@@ -81,6 +109,9 @@ impl Grid {
         file.start("CellData", if high_order { &[("HigherOrderDegrees", "HigherOrderDegrees")] } else { &[] });
         if high_order {
             file.array("Float64", "HigherOrderDegrees", 3, self.degrees.into_iter().map(f64::to_le_bytes));
+        }
+        for (field, values) in self.kept.iter().zip(self.middles).filter(|f| f.0.averaged) {
+            file.field(field, values);
         }
         file.array("Int32", "patch", 1, self.patch.into_iter().map(i32::to_le_bytes));
         file.array("Int32", "element", 1, self.element.into_iter().map(i32::to_le_bytes));
@@ -141,8 +172,37 @@ impl File {
         self.event(Event::End(BytesEnd::new(tag)));
     }
 
+    /// A field, with names of the components of vectors and of symmetric tensors.
+    fn field(&mut self, field: &Kept, values: Vec<f64>) {
+        let components: &[(&str, &str)] = match field.components {
+            3 => &[("ComponentName0", "x"), ("ComponentName1", "y"), ("ComponentName2", "z")],
+            6 => &[
+                ("ComponentName0", "xx"),
+                ("ComponentName1", "yy"),
+                ("ComponentName2", "zz"),
+                ("ComponentName3", "xy"),
+                ("ComponentName4", "yz"),
+                ("ComponentName5", "xz"),
+            ],
+            _ => &[],
+        };
+        self.array_with("Float64", &field.name, field.components, components, values.into_iter().map(f64::to_le_bytes));
+    }
+
     /// An array of numbers, each as its 1, 2, 4 or 8 bytes.
     pub fn array<const B: usize>(&mut self, kind: &str, name: &str, components: usize, numbers: impl Iterator<Item = [u8; B]>) {
+        self.array_with(kind, name, components, &[], numbers);
+    }
+
+    /// An array with more attributes.
+    fn array_with<const B: usize>(
+        &mut self,
+        kind: &str,
+        name: &str,
+        components: usize,
+        more: &[(&str, &str)],
+        numbers: impl Iterator<Item = [u8; B]>,
+    ) {
         let (components, offset) = (components.to_string(), self.appended.len().to_string());
         let attributes = [
             ("type", kind),
@@ -151,7 +211,7 @@ impl File {
             ("format", "appended"),
             ("offset", offset.as_str()),
         ];
-        self.event(Event::Empty(BytesStart::new("DataArray").with_attributes(attributes)));
+        self.event(Event::Empty(BytesStart::new("DataArray").with_attributes(attributes.into_iter().chain(more.iter().copied()))));
         let (mut sizes, mut data, mut total) = (Vec::new(), Vec::new(), 0);
         let mut raw = Vec::with_capacity((B * numbers.size_hint().0).min(AT_ONCE * BLOCK));
         let mut pack = |raw: &mut Vec<u8>| {

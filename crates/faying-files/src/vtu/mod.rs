@@ -22,7 +22,12 @@
 //! lattice of twice or four times as many steps, so that neighbours keep their points in common. Where that does not help because
 //! the map itself folds over, the lattice stays and the pieces that are negative are turned: there they overlap.
 //!
-//! Files: version 1.0 (2.2 with hexahedra), UInt64 headers, appended data compressed by zlib; equal input gives equal bytes.
+//! Quadratic cells are of VTK's types of before Lagrange cells, of degree 1 or 2 in all directions: fields of higher degree are coarser there
+//! than they are. Where a part is [`averaged`](Part::averaged), points are shared although fields jump there: at points stand their means
+//! over the elements around, and in cell data of the same names their values in the middle of the element.
+//!
+//! Files: version 1.0 (2.2 with Lagrange or Bezier hexahedra), UInt64 headers, appended data compressed by zlib; equal input gives equal
+//! bytes. Vectors and symmetric tensors have names of components. Field data has an array `patch.NAME` per part with its number.
 //! In ParaView raise "Nonlinear Subdivision Level" to 3 or 4 to see curved cells.
 
 pub(super) mod cells;
@@ -35,7 +40,7 @@ mod tests;
 
 use faying::linalg::Vector;
 use faying::space::Space;
-use file::Grid;
+use file::{Grid, Kept};
 use piece::each_piece;
 use std::sync::Arc;
 
@@ -73,7 +78,12 @@ pub enum CellStyle {
     Lagrange,
     /// Linear cells between the nodes of the Lagrange cell.
     Linear,
+    /// Linear cells, and quadratic ones for elements of degree 2 and more, of types that all readers of VTK files know.
+    Quadratic,
 }
+
+/// Prefix of the names of the arrays of field data that hold the number of a part.
+pub(crate) const PATCH: &str = "patch.";
 
 /// A space with fields: one body of `fields.vtu`, or a side.
 pub struct Part<'a, const D: usize, const N: usize> {
@@ -85,6 +95,9 @@ pub struct Part<'a, const D: usize, const N: usize> {
     pub style: CellStyle,
     /// Least degree of Lagrange cells, for fields finer than the space (multipliers on a side).
     pub least_degree: usize,
+    /// Whether fields that are no combinations of the space's functions are averaged at the points of adjacent elements. True for one part
+    /// of a file, it is for all. Bezier cells are never averaged.
+    pub averaged: bool,
     /// The fields; every part of a file has the same names.
     pub fields: Vec<PointField<'a, D>>,
     /// Sampler of all fields at once, if cheaper than each alone: per point the values of one field after the other.
@@ -100,7 +113,7 @@ impl<const D: usize, const N: usize> std::fmt::Debug for Part<'_, D, N> {
 impl<'a, const D: usize, const N: usize> Part<'a, D, N> {
     /// Creates a part without fields.
     pub fn new(name: impl Into<String>, space: Arc<dyn Space<D, N>>, style: CellStyle) -> Self {
-        Self { name: name.into(), space, style, least_degree: 1, fields: Vec::new(), together: None }
+        Self { name: name.into(), space, style, least_degree: 1, averaged: false, fields: Vec::new(), together: None }
     }
 
     /// Adds a field of the space's own functions.
@@ -158,23 +171,26 @@ pub enum VtuError {
     },
 }
 
-/// Returns the bytes of a `.vtu` file with all `parts`: point data of their fields, cell data `patch` (number of the part) and `element`.
+/// Returns the bytes of a `.vtu` file with all `parts`: point data of their fields, cell data `patch` (number of the part) and `element`, field
+/// data with the names of the parts.
 ///
 /// # Errors
 /// [`VtuError`] if the parts do not fit together.
 pub fn write<const D: usize, const N: usize>(parts: &[Part<'_, D, N>]) -> Result<Vec<u8>, VtuError> {
     let names = |part: &Part<'_, D, N>| part.fields.iter().map(|f| format!("{}:{}", f.name, f.components)).collect::<Vec<_>>().join(", ");
+    let averaged = parts.iter().any(|part| part.averaged && part.style != CellStyle::Bezier);
     let mut fields = Vec::new();
     if let Some(first) = parts.first() {
-        fields = first.fields.iter().map(|f| (f.name.clone(), padded(f.components))).collect();
+        let field = |f: &PointField<'_, D>| Kept { name: f.name.clone(), components: padded(f.components), averaged: averaged && !f.exact };
+        fields = first.fields.iter().map(field).collect();
         if let Some(odd) = parts.iter().find(|part| names(part) != names(first)) {
             return Err(VtuError::Fields { part: odd.name.clone(), found: names(odd), expected: names(first) });
         }
     }
     let mut grid = Grid::new(fields);
     for (number, part) in parts.iter().enumerate() {
-        grid.begin(part.space.num_elements());
-        each_piece(part, |element, piece| grid.append(number, element, piece))?;
+        grid.begin(&part.name, part.space.num_elements());
+        each_piece(part, averaged, |element, piece| grid.append(number, element, piece))?;
     }
     Ok(grid.into_bytes())
 }

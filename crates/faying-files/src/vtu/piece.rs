@@ -23,6 +23,8 @@ pub(super) const WEIGHT: usize = 3;
 pub(super) struct Piece<'a> {
     /// Node after node: position, weight, and the fields, those of two components padded to three.
     pub values: Vec<f64>,
+    /// The same in the middle of the element, where fields are averaged; else empty.
+    pub middle: Vec<f64>,
     /// Whether the weights are those of a rational cell.
     pub rational: bool,
     pub kind: u8,
@@ -54,6 +56,7 @@ pub(super) fn width<const D: usize, const N: usize>(part: &Part<'_, D, N>) -> us
 /// Passes the pieces of all elements of a part to `take`, in their order.
 pub(super) fn each_piece<const D: usize, const N: usize>(
     part: &Part<'_, D, N>,
+    averaged: bool,
     mut take: impl FnMut(usize, &Piece<'_>),
 ) -> Result<(), VtuError> {
     let plans: Vec<Plan<D>> =
@@ -92,6 +95,9 @@ pub(super) fn each_piece<const D: usize, const N: usize>(
             Some(piece) => piece,
             None => lagrange_piece(part, e, plan, of(plan.cell, plan.lagrange, doubled.min(most_doubled(plan.lagrange))), table)?,
         };
+        if averaged {
+            piece.middle = sampled(part, e, &[middle(plan.cell)], table)?;
+        }
         part.space.corners(e, &mut piece.corners);
         Ok::<_, VtuError>(piece)
     };
@@ -154,6 +160,11 @@ fn sampled<const D: usize, const N: usize>(
     Ok(rows)
 }
 
+/// The middle of a cell.
+fn middle<const D: usize>(cell: Cell) -> Vector<D> {
+    Vector::repeat(if cell == Cell::Simplex && D > 1 { 1.0 / (D as f64 + 1.0) } else { 0.5 })
+}
+
 /// Points between those of the interpolation.
 fn check_points<const D: usize>(cell: Cell) -> [Vector<D>; 2] {
     let share = if cell == Cell::Simplex && D > 1 { 1.0 / D as f64 } else { 1.0 };
@@ -211,6 +222,7 @@ fn bezier_piece<'a, const D: usize, const N: usize>(
     c.column_mut(WEIGHT).copy_from(&w);
     Ok(Some(Piece {
         values: c.transpose().as_slice().to_vec(),
+        middle: Vec::new(),
         rational: plan.map_weights || plan.basis_weights,
         kind: cell_type(D, plan.cell, Shape::Bezier),
         degrees: degrees(plan.degree, plan.left),
@@ -249,8 +261,9 @@ fn lagrange_piece<'a, const D: usize, const N: usize>(
     };
     Ok(Piece {
         values,
+        middle: Vec::new(),
         rational: false,
-        kind: cell_type(D, plan.cell, if linear { Shape::Linear } else { Shape::Lagrange }),
+        kind: cell_type(D, plan.cell, if plan.shape == Shape::Bezier { Shape::Lagrange } else { plan.shape }),
         degrees: degrees(if linear { [1; D] } else { plan.lagrange }, plan.left),
         cells,
         corners: Vec::new(),

@@ -30,10 +30,18 @@ pub(super) fn plan<const D: usize, const N: usize>(part: &Part<'_, D, N>, elemen
     let map_degree = map.as_ref().map_or(p, |m| block_degree(&m.basis, element));
     let highest: [usize; D] = std::array::from_fn(|k| p[k].max(map_degree[k]));
     // linear cells of a degree-p element are cut between the same nodes
-    let lagrange = highest.map(|d| d.max(part.least_degree).clamp(1, MAX_DEGREE));
+    let mut lagrange = highest.map(|d| d.max(part.least_degree).clamp(1, MAX_DEGREE));
+    let quadratic = lagrange.iter().any(|d| *d > 1);
+    if part.style == CellStyle::Quadratic {
+        lagrange = [if quadratic { 2 } else { 1 }; D];
+    }
     let mut plan = Plan {
         cell,
-        shape: Shape::Lagrange,
+        shape: match part.style {
+            CellStyle::Quadratic if quadratic => Shape::Quadratic,
+            CellStyle::Linear | CellStyle::Quadratic => Shape::Linear,
+            CellStyle::Bezier | CellStyle::Lagrange => Shape::Lagrange,
+        },
         degree: lagrange,
         lagrange,
         map_weights: false,

@@ -1,5 +1,6 @@
-//! Points of a part, shared by elements if all their values agree.
+//! Points of a part, shared by elements if all their values agree but those that are averaged.
 
+use super::file::Kept;
 use super::piece::{AHEAD, Piece, WEIGHT};
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -45,6 +46,9 @@ pub(super) struct Points {
     /// Per field, all components of a point after the other.
     pub fields: Vec<Vec<f64>>,
     components: Vec<usize>,
+    averaged: Vec<bool>,
+    /// Nodes of every point, where fields are averaged: until then its values are sums over them.
+    nodes_of: Vec<u32>,
     /// Previous point of the same node.
     before: Vec<u32>,
     /// The last point of the corners whose ids are below the length.
@@ -56,8 +60,18 @@ pub(super) struct Points {
 }
 
 impl Points {
-    pub fn new(components: Vec<usize>) -> Self {
-        Self { fields: vec![Vec::new(); components.len()], components, ..Self::default() }
+    pub fn new(fields: &[Kept]) -> Self {
+        let (components, averaged) = fields.iter().map(|f| (f.components, f.averaged)).unzip();
+        Self { fields: vec![Vec::new(); fields.len()], components, averaged, ..Self::default() }
+    }
+
+    /// Divides the sums of averaged fields by the numbers of nodes.
+    pub fn average(&mut self) {
+        for ((values, c), _) in self.fields.iter_mut().zip(&self.components).zip(&self.averaged).filter(|f| *f.1) {
+            for (point, n) in values.chunks_exact_mut(*c).zip(&self.nodes_of) {
+                point.iter_mut().for_each(|v| *v /= f64::from(*n));
+            }
+        }
     }
 
     /// Begins a part of the given number of elements, which shares no points with the previous parts.
@@ -103,6 +117,7 @@ impl Points {
         let mut point = last;
         while point != NONE {
             if self.agrees(point as usize, row, near) {
+                self.join(point as usize, row);
                 return point as usize;
             }
             point = self.before[point as usize];
@@ -117,21 +132,36 @@ impl Points {
         new
     }
 
-    /// Whether all values of a point agree with those of a node.
+    /// Adds the averaged values of a node to those of its point.
+    fn join(&mut self, point: usize, row: &[f64]) {
+        self.nodes_of[point] += 1;
+        let mut first = AHEAD;
+        for ((values, c), averaged) in self.fields.iter_mut().zip(&self.components).zip(&self.averaged) {
+            if *averaged {
+                values[point * c..(point + 1) * c].iter_mut().zip(&row[first..first + c]).for_each(|(sum, v)| *sum += v);
+            }
+            first += c;
+        }
+    }
+
+    /// Whether all values of a point agree with those of a node, the averaged ones left out.
     fn agrees(&self, point: usize, row: &[f64], near: f64) -> bool {
         let mut first = AHEAD;
         self.x[point].iter().zip(row).all(|(a, b)| (a - b).abs() <= near)
             && (self.weights[point] - row[WEIGHT]).abs() <= SAME * row[WEIGHT]
-            && self.fields.iter().zip(&self.components).zip(&self.greatest).all(|((values, c), greatest)| {
-                let (own, tolerance) = (&row[first..first + c], SAME * greatest);
-                first += c;
-                values[point * c..(point + 1) * c].iter().zip(own).all(|(a, b)| a == b || (a - b).abs() <= tolerance)
-            })
+            && self.fields.iter().zip(&self.components).zip(&self.greatest).zip(&self.averaged).all(
+                |(((values, c), greatest), averaged)| {
+                    let (own, tolerance) = (&row[first..first + c], SAME * greatest);
+                    first += c;
+                    *averaged || values[point * c..(point + 1) * c].iter().zip(own).all(|(a, b)| a == b || (a - b).abs() <= tolerance)
+                },
+            )
     }
 
     fn add(&mut self, row: &[f64], before: u32) -> usize {
         self.x.push([row[0], row[1], row[2]]);
         self.weights.push(row[WEIGHT]);
+        self.nodes_of.push(1);
         let mut first = AHEAD;
         for (values, c) in self.fields.iter_mut().zip(&self.components) {
             values.extend_from_slice(&row[first..first + c]);

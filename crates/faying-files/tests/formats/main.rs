@@ -1,9 +1,11 @@
 //! Geometry and mesh files, against files of other systems and against themselves.
 #![allow(clippy::unwrap_used)]
 
+mod abaqus;
 mod common;
 mod gmsh;
 mod splines;
+mod vtu_files;
 
 use faying_files::FileError;
 

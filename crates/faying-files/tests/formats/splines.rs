@@ -474,13 +474,19 @@ fn what_is_no_geometry_is_refused_with_its_line() {
     assert!(text(&whole).is_ok());
     let head = "MFEM NURBS mesh v1.0\ndimension 1\nelements 1\n1 1 0 1\nboundary 0\nedges 1\n0 0 1\nvertices 2\n";
     let cases: Vec<(String, &str)> = vec![
-        (String::new(), "test is empty; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read (line 1)"),
+        (String::new(), "test is empty; G+Smo XML, MFEM meshes, Gmsh MSH files, VTU grids and Abaqus input files are read (line 1)"),
         (
             "\0".repeat(10_000),
-            "test looks like binary data of another format; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read (line 1)",
+            "test looks like binary data of another format; G+Smo XML, MFEM meshes, Gmsh MSH files, VTU grids and Abaqus input files are read (line 1)",
         ),
-        ("solid cube".into(), "test looks like an STL file; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read (line 1)"),
-        ("hello\nworld".into(), "test begins with \"hello\"; G+Smo XML, MFEM meshes, Gmsh MSH files and VTU grids are read (line 1)"),
+        (
+            "solid cube".into(),
+            "test looks like an STL file; G+Smo XML, MFEM meshes, Gmsh MSH files, VTU grids and Abaqus input files are read (line 1)",
+        ),
+        (
+            "hello\nworld".into(),
+            "test begins with \"hello\"; G+Smo XML, MFEM meshes, Gmsh MSH files, VTU grids and Abaqus input files are read (line 1)",
+        ),
         ("<VTKFile type=\"UnstructuredGrid\"/>".into(), "the VTKFile element is empty (byte 0)"),
         ("<!DOCTYPE a [<!ENTITY b \"c\">]><xml/>".into(), "a document type (DTD) in XML is not supported (line 1)"),
         ("<a>".repeat(100_000), "XML of more than 32 levels is not supported (line 1)"),

@@ -137,7 +137,7 @@ pub(super) const WEIGHTS: Key = Key::of("weights", Special::Numbers, "positive, 
 const FILE: &[Key] = &[
     Key::new("file", KeyKind::Text, "path relative to the case file").required("\"part.xml\""),
     Key::of("id", WORD_OR_NUMBER, "a patch of a G+Smo file").optional("0"),
-    Key::of("group", WORD_OR_NUMBER, "a group of a Gmsh file").optional("\"bracket\""),
+    Key::of("group", WORD_OR_NUMBER, "a group of a mesh file").optional("\"bracket\""),
     Key::new("refinement", KeyKind::Text, "the .ref list of an MFEM mesh").optional("\"part.ref\""),
 ];
 

@@ -6,9 +6,11 @@ mod measure;
 mod peers;
 mod vtu;
 
+pub use broken::{Random, mutate};
 use faying_files::gmsh::{parse, write};
 use faying_files::{CellShape, FileError, Limits, MeshFile};
-use measure::{cells, lattice, least, measure};
+use measure::{cells, lattice};
+pub use measure::{least, measure};
 use std::f64::consts::PI;
 use std::path::Path;
 
