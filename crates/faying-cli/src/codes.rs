@@ -138,8 +138,8 @@ pub const CODES: &[Code] = &[
         "sides do not meet",
         "Two sides that are to be tied are farther apart than `tolerance` allows, or the sides of a contact do not face each other: \
          outward normals must oppose, within 60 degrees, and an overlap at rest (of bodies, of a body and an obstacle, or by the formula of `gap`) may be up \
-         to half the thickness of a body. `between` ties sides whose facets explain their distance: \
-         a mean of a quarter and at most twice of what facets deviate from the surface they stand for. As a warning: sides that are \
+         to half the thickness of a body. `between` ties sides if faceting explains their gap: \
+         mean at most 1/4, largest at most 2 times the deviation of the facets from the curved surface. As a warning: sides that are \
          nearly together are not tied, or named ones are tied across a distance that their facets do not explain; sides that touch, nearly touch or overlap are joined by nothing; \
          nodes of a mesh coincide and are not shared, so that the cells on both sides do not hang together. Use [[contact]] if a gap is meant.",
         "[[interface]]\nslave = \"inner.v1\"     # r = 1.5\nmaster = \"outer.v0\"    # r = 1.75",
@@ -309,7 +309,7 @@ pub const CODES: &[Code] = &[
         "E065",
         3,
         "inexact integration",
-        "A warning: numbers are poor here. The rule of integration misses more than a hundredth of what it should see at the interface \
+        "A warning: the quadrature error at this interface is above 1 % \
          (interface.NAME.consistency, contact.NAME.consistency). Slave points do not see the kinks of the master's functions; mixed integration does \
          not see those of a multiplier of low degree. Of a patch: on coarse cells of a rational map the Gauss points miss more than 1e-3 of the stress of \
          linear fields; the message says how many extra_points do not. Of a contact: it slides so far along a curved surface that the gap along the \

@@ -165,19 +165,25 @@ impl Diagnostic {
             let _ = writeln!(out, "{:width$}  = note: {}", "", one_line(label));
         }
         let explain = format!("faying explain {}", self.code);
-        let _ = match &self.help {
+        let _ = match self.remedy() {
             Some(help) => writeln!(out, "{:width$}  = help: {}       ({explain})", "", one_line(help)),
             None => writeln!(out, "{:width$}  = help: {explain}", ""),
         };
         out
     }
 
-    /// The advice as one text: label and help.
+    /// The help, or the remedy of the code where there is neither help nor label.
+    fn remedy(&self) -> Option<&str> {
+        let of_code = || codes::find(self.code).map(|code| code.remedy.trim_end_matches('.')).filter(|_| self.label.is_none());
+        self.help.as_deref().or_else(of_code)
+    }
+
+    /// The advice as one text: label and help, or the remedy of the code where there is neither.
     pub fn advice(&self) -> Option<String> {
-        match (&self.label, &self.help) {
+        match (&self.label, self.remedy()) {
             (Some(l), Some(h)) => Some(format!("{l}; {h}")),
             (Some(l), None) => Some(l.clone()),
-            (None, h) => h.clone(),
+            (None, h) => h.map(str::to_owned),
         }
     }
 

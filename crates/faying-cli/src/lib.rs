@@ -30,6 +30,7 @@ mod json;
 pub mod lower;
 mod null_out;
 pub mod output;
+mod page;
 pub mod place;
 pub mod plot;
 pub mod quantities;
@@ -49,7 +50,9 @@ pub use commands::main;
 pub use errors::{Diagnostic, Diagnostics, Severity};
 pub use formula::Formula;
 pub use indexmap::IndexMap;
-pub use output::{FieldRange, Finished, Output, Parts, Picture, RunOptions, SideOutput, SidePart, StepOutput};
+pub use output::{
+    DisplacementFactor, FieldRange, Finished, Mark, MarkKind, Output, Parts, Picture, RunOptions, SideOutput, SidePart, StepOutput,
+};
 pub use place::{Located, SourceSpan};
 pub use registry::{Family, Fault, MakeSolver, Names, Registry, SolverOptions, UnknownName};
 pub use result::{RunResult, Status};

@@ -4,15 +4,16 @@ use serde_json::{Map, Value};
 
 /// Members of a result that only a solved step fills.
 const SOLVED: [&str; 6] = ["contact", "interface", "reactions", "balance", "energy", "errors"];
-/// Members that `check` fills, too.
+/// Members that are known without a solution, too.
 const CHECKED: [&str; 1] = ["loads"];
 /// Members that are known once the bodies are built.
 const BUILT: [&str; 4] = ["backend", "backends", "unknowns", "geometry"];
 
-/// Removes (`check`) or sets to `null` (`run`) the numbers that were not computed, in the document of a result without a solution.
-pub fn forget(document: &mut Value, command: &str, built: bool) {
+/// Removes (`looked_at`: there was nothing to solve) or sets to `null` the numbers that were not computed, in the document of a result
+/// without a solution.
+pub fn forget(document: &mut Value, looked_at: bool, built: bool) {
     let Value::Object(map) = document else { return };
-    if command == "check" {
+    if looked_at {
         SOLVED.iter().for_each(|key| drop(map.remove(*key)));
     } else {
         let reason = "nothing was solved";
@@ -23,7 +24,7 @@ pub fn forget(document: &mut Value, command: &str, built: bool) {
     }
     if !built {
         for key in BUILT {
-            if command == "check" {
+            if looked_at {
                 map.remove(key);
             } else {
                 map.insert(key.into(), Value::Null);

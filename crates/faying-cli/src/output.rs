@@ -1,6 +1,7 @@
 //! Output of a run beside its numbers: bodies with fields, slave sides with multipliers.
 
 use crate::RunResult;
+use crate::case::Units;
 use crate::plot::{self, FieldPlot, PlotError};
 use crate::reference::StoredRun;
 use crate::table::InterfaceRow;
@@ -54,10 +55,16 @@ impl std::fmt::Debug for StepOutput {
 pub struct Output {
     /// Heading of the pictures: the case's title, else its name.
     pub title: String,
+    /// Names of the units in the pictures.
+    pub units: Units,
     /// The bodies.
     pub parts: Parts,
     /// The field of the picture; `None`: no picture.
     pub picture: Option<Picture>,
+    /// Factor of the displacements in that picture; 0: the bodies at rest.
+    pub deformed: DisplacementFactor,
+    /// Supports and loads in that picture.
+    pub marks: Vec<Mark>,
     /// Extremes of that field over the closed elements; `None`: those of the picture's own points.
     pub range: Option<FieldRange>,
     /// Interfaces and contacts, in the order of the case.
@@ -117,6 +124,46 @@ impl Parts {
             Self::Plane(parts) => plot::fields(plot, parts),
             Self::Volume(parts) => plot::solids(plot, parts),
         }
+    }
+}
+
+/// A support or a load at a point of a boundary.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// The point \[length\].
+    pub at: [f64; 3],
+    /// Its displacement \[length\].
+    pub moved: [f64; 3],
+    /// The outward normal, of length 1.
+    pub normal: [f64; 3],
+    /// Of a load its direction, of a support the inward normal; of length 1.
+    pub toward: [f64; 3],
+    /// What it stands for.
+    pub kind: MarkKind,
+}
+
+/// What a mark stands for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MarkKind {
+    /// Prescribed displacements.
+    Support,
+    /// A traction, a pressure or a force.
+    Load,
+}
+
+/// The factor of displacements in a picture, found when it is asked for.
+pub struct DisplacementFactor(pub Box<dyn Fn() -> f64 + Send + Sync>);
+
+impl Default for DisplacementFactor {
+    /// Bodies at rest.
+    fn default() -> Self {
+        Self(Box::new(|| 0.0))
+    }
+}
+
+impl std::fmt::Debug for DisplacementFactor {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("DisplacementFactor")
     }
 }
 

@@ -98,6 +98,15 @@ pub fn short(x: f64, digits: usize) -> String {
     }
 }
 
+/// A number with fixed decimals; what rounds to zero has no sign.
+pub fn decimals(x: f64, digits: usize) -> String {
+    let text = format!("{x:.digits$}");
+    match text.strip_prefix('-') {
+        Some(rest) if rest.chars().all(|c| matches!(c, '0' | '.')) => rest.to_owned(),
+        _ => text,
+    }
+}
+
 /// A number for programs: 17 significant digits; empty if it is not finite.
 pub fn exact(x: f64) -> String {
     if x.is_finite() { format!("{x:.16e}") } else { String::new() }
@@ -152,6 +161,7 @@ mod tests {
         assert_eq!(short(1.0, 6), "1");
         assert_eq!(short(210e9, 4), "2.1e11");
         assert_eq!(short(f64::NAN, 4), "-");
+        assert_eq!([-0.04, -0.06, 0.0, 1.25].map(|x| decimals(x, 1)), ["0.0", "-0.1", "0.0", "1.2"]);
     }
 
     #[test]

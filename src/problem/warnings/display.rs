@@ -56,7 +56,11 @@ impl Display for Warning {
             }
             Self::HardlyHeld { of, motions, share } => {
                 let motions = motions.join(", ");
-                write!(f, "{of} is hardly held: springs hold its {motions} with {} of the bodies' stiffness", digits(*share))
+                write!(
+                    f,
+                    "{of} is held in {motions} only by springs {} as stiff as the bodies: round-off grows accordingly",
+                    digits(*share)
+                )
             }
             Self::FluxJump { of, x, share } => {
                 write!(f, "the flux of the exact solution jumps in {of} at {} by {} of its largest", place(x), percent(*share))

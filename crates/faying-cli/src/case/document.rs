@@ -1,6 +1,6 @@
 //! The whole document, block by block, and what is compared between blocks.
 
-use super::reader::{Block, Reader};
+use super::reader::{Block, Reader, Sign};
 use super::tree::{Node, Table, Value};
 use super::types::*;
 use super::{SCHEMA, rows};
@@ -8,6 +8,9 @@ use crate::errors::{CaseText, Diagnostics};
 use crate::formula::Constants;
 use crate::place::{Located, SourceSpan};
 use faying::basis::Cell;
+
+/// Longest name of a unit, in letters.
+const LONGEST_UNIT: usize = 12;
 
 impl Reader {
     pub(super) fn case(&mut self, root: Table) -> Case {
@@ -19,6 +22,10 @@ impl Reader {
             return case;
         }
         let title = self.title(&mut root);
+        let units = root.has("units").then(|| self.section(&mut root, "units", rows::UNITS, false, Self::units));
+        let units = units.flatten().unwrap_or_default();
+        let output = root.has("output").then(|| self.section(&mut root, "output", rows::OUTPUT, false, Self::output));
+        let deformed = output.flatten().unwrap_or_default();
         self.constants(root.node("let").cloned().as_ref());
         self.names = name_list(&root);
         let model = self.section(&mut root, "model", rows::MODEL, true, Self::model).unwrap_or(case.model);
@@ -63,6 +70,8 @@ impl Reader {
             warnings: Diagnostics::new(),
             schema,
             title,
+            units,
+            deformed,
             constants: self.constants.clone(),
             model,
             discretization,
@@ -90,6 +99,45 @@ impl Reader {
             root.finish().to_document()
         );
         case
+    }
+
+    /// `units`: names, which are short.
+    fn units(&mut self, b: &mut Block) -> Units {
+        let [length, force] = ["length", "force"].map(|key| {
+            let node = b.node(key).cloned()?;
+            let name = self.text_of(&node, key)?;
+            let short = (1..=LONGEST_UNIT).contains(&name.chars().count()) && !name.chars().any(char::is_control);
+            if !short {
+                self.fault(
+                    "E015",
+                    node.at,
+                    format!("`{key}` must be a unit of 1 to {LONGEST_UNIT} letters"),
+                    "write length = \"mm\", force = \"N\"",
+                );
+            }
+            Some(name.value)
+        });
+        Units { length: length.unwrap_or_default(), force: force.unwrap_or_default() }
+    }
+
+    /// `[output]`.
+    fn output(&mut self, b: &mut Block) -> Deformed {
+        let node = self.value_of(b, "deformed");
+        match &node.value {
+            Value::Bool(false) => Deformed::Factor(0.0),
+            Value::Text(word) if word == "auto" => Deformed::Auto,
+            Value::Integer(_) | Value::Float(_) => match self.number_of(&node, "deformed", Sign::Any).filter(|v| *v >= 0.0) {
+                Some(factor) => Deformed::Factor(factor),
+                None => {
+                    self.fault("E015", node.at, "`deformed` must not be negative", "write deformed = 20, \"auto\", or false");
+                    Deformed::Auto
+                }
+            },
+            _ => {
+                self.wrong_type(&node, "deformed", "\"auto\", a number, or false", "write deformed = 20");
+                Deformed::Auto
+            }
+        }
     }
 
     // title: none by default
@@ -138,6 +186,8 @@ impl Case {
             warnings: Diagnostics::new(),
             schema,
             title: Located::default(),
+            units: Units::default(),
+            deformed: Deformed::default(),
             constants: Constants::default(),
             model: Model {
                 head: none(()),

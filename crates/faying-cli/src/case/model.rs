@@ -20,7 +20,7 @@ impl Reader {
         let mut known = Vec::new();
         for e in &table.entries {
             if !is_free_name(&e.key) {
-                let help = "names in formulas are letters, digits and `_`, begin with a letter, and are none of x, y, z, t, r, theta, g, pi, e, nor a function";
+                let help = "names in formulas are letters, digits and `_`, begin with a letter, and are none of x, y, z, t, r, theta, pi, e, nor a function";
                 self.fault("E016", e.key_at, format!("`{}` cannot be the name of a constant", e.key), help);
                 continue;
             }

@@ -14,6 +14,12 @@ const KIND: Key = Key::new("kind", super::key::KeyKind::Text, "which kind").requ
 /// Most elements of one direction; the size of the whole is limited later.
 const MOST_ELEMENTS: i64 = 1_000_000;
 
+/// Number of keys of a table that are not among `own`.
+fn misfits(node: &Node, own: &[Key]) -> usize {
+    let Value::Table(table) = &node.value else { return 0 };
+    table.entries.iter().filter(|e| own.iter().all(|key| key.name != e.key)).count()
+}
+
 impl Reader {
     /// `[[patch]]`, every file expanded into its patches.
     pub fn patches(&mut self, root: &mut Block, model: &Model, defaults: &Discretization, materials: &[Material]) -> Vec<Patch> {
@@ -180,7 +186,8 @@ impl Reader {
             }
         };
         let Some(kind_node) = kind_node else {
-            let help = format!("write {what} = {{ kind = {:?}, .. }}; kinds: {}", list[0], list.join(", "));
+            let meant = kinds.iter().min_by_key(|(_, own)| misfits(node, own)).map_or(list[0], |(kind, _)| kind);
+            let help = format!("write {what} = {{ kind = {meant:?}, .. }}; kinds: {}", list.join(", "));
             self.fault("E013", node.at, format!("`kind` is missing in `{what}`"), help);
             return None;
         };

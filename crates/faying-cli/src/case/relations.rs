@@ -75,7 +75,7 @@ impl Reader {
                             "E026",
                             s.at,
                             message,
-                            "a side carries one multiplier; list all its masters in one block, or exchange slave and master",
+                            "a side carries one multiplier: cut it, a patch or a group of the mesh per partner, or exchange slave and master",
                         );
                     }
                     None => {

@@ -2,6 +2,7 @@
 
 use super::key::{Absent, Inside, Key, KeyKind, Plain, Special};
 use super::names::Names;
+use super::reader::LONGEST_NAME;
 use super::rows::{ROOT, inside};
 use super::tree::parse_value;
 use crate::place::SourceSpan;
@@ -154,7 +155,7 @@ fn kinded(inside: Inside, names: &Names) -> Value {
 fn definitions(names: &Names) -> Value {
     let inside = |kind: Special| inside(&Key::of("", kind, ""), names);
     json!({
-        "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]+$"},
+        "name": {"type": "string", "pattern": "^[A-Za-z0-9_-]+$", "maxLength": LONGEST_NAME},
         "number": {"type": ["number", "string"], "description": "a number, or a quoted formula of constants"},
         "positive": {"anyOf": [{"type": "number", "exclusiveMinimum": 0}, {"type": "string"}]},
         "formula": {"type": ["number", "string"], "description": "a number, or a quoted formula of x, y, z, t, r, theta and the names of [let]"},

@@ -1,7 +1,7 @@
 //! `--set a.b=v`: changes of the tree before it is typed.
 //!
-//! Entries of `[[lists]]` are named by their `name` or by their position from 0: `patch.lower.degree=3`,
-//! `boundary.1.pressure=2`. A value that is not TOML is taken as a text, so `patch.lower.backend=fe` needs no quotes.
+//! Entries of `[[lists]]` are named by their `name` (`boundary-1` where they have none) or by their position from 0:
+//! `patch.lower.degree=3`, `boundary.1.pressure=2`. A value that is not TOML is taken as a text, so `patch.lower.backend=fe` needs no quotes.
 
 use super::key::Special;
 use super::rows;
@@ -79,7 +79,10 @@ fn into(node: &mut Node, key: &str, path: &[&str], value: Node, at: SourceSpan) 
         Value::Table(t) => put(t, path, value, at),
         Value::List(list) => {
             let names: Vec<String> = list.iter().map(|n| name_of(n).unwrap_or_default()).collect();
-            let which = names.iter().position(|n| n == path[0]).or_else(|| path[0].parse().ok().filter(|k| *k < list.len()));
+            // entries without a name are called BLOCK-0, BLOCK-1, ..
+            let number = |word: &str| word.parse::<usize>().ok().filter(|k| *k < list.len());
+            let by_default = || number(path[0].strip_prefix(key)?.strip_prefix('-')?).filter(|k| names[*k].is_empty());
+            let which = names.iter().position(|n| n == path[0]).or_else(|| number(path[0])).or_else(by_default);
             let Some(which) = which else {
                 let known: Vec<&str> = names.iter().map(String::as_str).filter(|n| !n.is_empty()).collect();
                 let near = nearest(path[0], known.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));

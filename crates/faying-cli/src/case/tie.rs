@@ -5,7 +5,7 @@ use super::rows;
 use super::tree::{Node, Table, Value};
 use super::types::*;
 use crate::errors::{Diagnostic, nearest};
-use crate::formula::Formula;
+use crate::formula::{Formula, Variable};
 use crate::place::Located;
 
 // k of the multiplier p/p-k
@@ -68,6 +68,11 @@ impl Reader {
         let master = self.master(b, patches);
         let node = self.value_of(b, "gap");
         let gap = self.formula_of(&node, "gap", Uses::Gap).unwrap_or_else(|| Located::new(Formula::constant(0.0), b.at));
+        let plain = matches!(&node.value, Value::Text(text) if text.trim() == "g");
+        if self.constants.get("g").is_some() && gap.value.uses(Variable::G) && !plain {
+            let message = "`g` is the geometric gap here, and a constant of [let]";
+            self.fault("E016", gap.at, message, "give the constant another name");
+        }
         let method = self.entry_name(b, "method");
         let needs = self.known.needs(&method.value);
         if !needs.mixed && b.node("integration").is_some_and(|node| matches!(&node.value, Value::Text(word) if word == "mixed")) {

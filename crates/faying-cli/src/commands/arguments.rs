@@ -9,7 +9,7 @@ use std::path::PathBuf;
 #[command(
     name = "faying",
     version,
-    about = "Ties and presses together discretisations that do not match: NURBS and Lagrange elements through one mortar code.",
+    about = "Mortar tying and contact of NURBS and finite element meshes that do not match.",
     after_help = "A first run:  faying new hertz  &&  faying run hertz.toml\n\nExit: 0 done, 1 a check failed, 2 usage, 3 invalid case, 4 reading or writing failed, 5 numerical failure,\n6 a limit was reached, 70 internal error, 130 interrupted.",
     propagate_version = true
 )]
@@ -50,6 +50,10 @@ pub enum Command {
     Convert(ConvertArguments),
     /// JSON Schema of the case file or of result.json
     Schema(SchemaArguments),
+    /// Print the completions of a shell, such as bash: put them where the shell looks for them
+    Completions(CompletionsArguments),
+    /// Print the manual in roff: faying man | man -l -
+    Man,
 }
 
 impl Command {
@@ -68,6 +72,8 @@ impl Command {
             Self::Convert(_) => "convert",
             Self::Schema(_) => "schema",
             Self::Explain(_) => "explain",
+            Self::Completions(_) => "completions",
+            Self::Man => "man",
         }
     }
 
@@ -96,6 +102,22 @@ pub struct RunArguments {
     /// Store the last state in FILE: cases with `reference = "FILE"` in [model] measure their errors against it
     #[arg(long, value_name = "FILE")]
     pub save_reference: Option<PathBuf>,
+    /// Draw no pictures
+    #[arg(long)]
+    pub no_pictures: bool,
+    /// Print the model in words; solve and write nothing
+    #[arg(long, conflicts_with_all = ["save_reference", "watch"])]
+    pub dry: bool,
+    /// Solve again whenever the case or a file it names changes, and say which probes change; Ctrl-C ends
+    #[arg(long)]
+    pub watch: bool,
+}
+
+/// `completions SHELL`.
+#[derive(Args, Clone, Debug)]
+pub struct CompletionsArguments {
+    /// The shell
+    pub shell: clap_complete::Shell,
 }
 
 /// `check CASE`.
@@ -218,7 +240,7 @@ pub enum NormChoice {
     /// L2 for both spaces
     #[default]
     L2,
-    /// Weighted by the size of the elements
+    /// h^-1/2 |w| of traces, h^1/2 |mu| of multipliers, h the size of elements
     HHalf,
 }
 
@@ -238,7 +260,7 @@ pub enum EndsChoice {
 #[derive(Args, Clone, Debug, Default)]
 #[command(next_help_heading = "Options of every study")]
 pub struct StudyArguments {
-    /// Backends; iga+fe: patches with a slave side iga, all others fe [default: as written, of compare iga,fe]
+    /// Backends; iga+fe: iga on slave patches, fe elsewhere [default: the case's; compare: iga,fe]
     #[arg(long, value_name = "B1,B2")]
     pub backends: Option<String>,
     /// Number of levels; each halves every element, level 0 is the case as written [default: convergence and infsup 5, quadrature 3, else 1]
@@ -256,7 +278,7 @@ pub struct StudyArguments {
     /// Integrations of all interfaces and contacts: merged,slave,mixed [default of quadrature: all]
     #[arg(long, value_name = "LIST")]
     pub integration: Option<String>,
-    /// Their points beyond the default: 0,1,2,4,8 [default of quadrature: these]
+    /// Extra Gauss points per segment, such as 0,1,2 [quadrature: 0,1,2,4,8]
     #[arg(long, value_name = "LIST")]
     pub extra_points: Option<String>,
     /// Keep the rows that an earlier study of the same case in this folder finished
@@ -310,7 +332,7 @@ pub struct Common {
     /// Change a key of the case, such as patch.lower.degree=3 (repeatable)
     #[arg(long = "set", global = true, value_name = "KEY=VALUE", value_parser = assignment)]
     pub set: Vec<String>,
-    /// Most memory to use, such as 4GB; a run that would need more, or more than the limits of the process, ends before it starts
+    /// Memory limit, such as 4GB; a larger run, or one beyond the limits of the process, is refused before it starts
     #[arg(long, global = true, value_name = "SIZE", value_parser = bytes)]
     pub max_memory: Option<u64>,
     /// Longest time in seconds; a factorisation that has begun comes to its end first

@@ -129,10 +129,16 @@ pub fn known_backend(registry: &Registry, name: &str, option: &str) -> Result<()
     known.or_else(|_| registry.plane.backends.get(name).map(|_| ())).map_err(|e| super::ended::usage(&format!("{option}: {e}"), None))
 }
 
-/// The limits of the options, and a flag that requests to end set; see [`signals::listen`].
-pub fn watch(common: &Common) -> RunControl {
-    let interrupted = Arc::new(AtomicBool::new(false));
-    signals::listen(&interrupted);
+/// A flag that requests to end set; see [`signals::listen`].
+pub fn interrupted() -> Arc<AtomicBool> {
+    let flag = Arc::new(AtomicBool::new(false));
+    signals::listen(&flag);
+    flag
+}
+
+/// The limits of the options, counted from now, and the flag of [`interrupted`].
+pub fn watch(common: &Common, interrupted: &Arc<AtomicBool>) -> RunControl {
+    let interrupted = Arc::clone(interrupted);
     let deadline = common.time_limit.map(|seconds| (Instant::now() + Duration::from_secs_f64(seconds), seconds));
     RunControl { interrupted, deadline, max_memory: common.max_memory, listener: None }
 }

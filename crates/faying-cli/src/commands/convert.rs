@@ -38,7 +38,7 @@ fn converted(registry: &Registry, arguments: &ConvertArguments, common: &Common)
     let options = ConvertOptions { order: arguments.order.map(usize::from), binary: arguments.binary };
     room(input, memory(&read, to, &options), common)?;
     let pool = case::pool(common)?;
-    let made = pool.install(|| written(&read, to, &options)).map_err(|e| Exit::from(fault(input, &e)))?;
+    let made = pool.install(|| written(&read, to, &options)).map_err(|e| Exit::from(fault(output, &e)))?;
     write(output, &made.bytes, common.force)?;
     let shown = output.display().to_string();
     let mut diagnostics = Diagnostics::new();

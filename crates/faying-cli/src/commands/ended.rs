@@ -77,7 +77,7 @@ impl From<Diagnostic> for Exit {
 /// The document of a failure.
 pub fn failure(status: &str, exit: i32, diagnostics: Value) -> String {
     json::text(
-        &json!({"schema": "faying.result/1", "version": env!("CARGO_PKG_VERSION"), "status": status, "exit": exit, "diagnostics": diagnostics}),
+        &json!({"schema": "faying.result/1", "version": env!("CARGO_PKG_VERSION"), "status": status, "exit": exit, "checks": [], "diagnostics": diagnostics}),
     )
 }
 

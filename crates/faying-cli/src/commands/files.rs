@@ -32,7 +32,7 @@ pub fn numbered(stem: &str, number: usize) -> String {
 }
 
 /// The files of fields and sides; what cannot be drawn is reported as a warning.
-pub fn of(output: &Output, with_vtu: bool, trouble: &mut Diagnostics) -> Vec<OutputFile> {
+pub fn of(output: &Output, with_vtu: bool, with_pictures: bool, trouble: &mut Diagnostics) -> Vec<OutputFile> {
     let mut files = Vec::new();
     let mut add = |name: String, made: Result<Vec<u8>, String>| match made {
         Ok(bytes) => files.push(OutputFile { name, bytes }),
@@ -41,10 +41,20 @@ pub fn of(output: &Output, with_vtu: bool, trouble: &mut Diagnostics) -> Vec<Out
     if with_vtu && !output.parts.is_empty() {
         add("fields.vtu".to_owned(), output.parts.vtu().map_err(|e| e.to_string()));
     }
-    if let Some(picture) = &output.picture {
+    if let Some(picture) = output.picture.as_ref().filter(|_| with_pictures) {
         let range = output.range.as_ref().and_then(|range| range.0());
         let (field, component) = (picture.field.as_str(), picture.component);
-        let plot = FieldPlot { title: &output.title, label: &picture.label, field, component, range };
+        let length = output.units.length.as_str();
+        let plot = FieldPlot {
+            title: &output.title,
+            label: &picture.label,
+            field,
+            component,
+            range,
+            length,
+            moved: (output.deformed.0)(),
+            marks: &output.marks,
+        };
         add("fields.svg".to_owned(), output.parts.svg(&plot).map(String::into_bytes).map_err(|e| e.to_string()));
     }
     for side in &output.sides {
@@ -53,7 +63,9 @@ pub fn of(output: &Output, with_vtu: bool, trouble: &mut Diagnostics) -> Vec<Out
             add(name("vtu"), side.part.vtu().map_err(|e| e.to_string()));
         }
         add(name("csv"), Ok(table::interface_csv(&side.rows).into_bytes()));
-        add(name("svg"), picture(output, side).map(String::into_bytes).map_err(|e| e.to_string()));
+        if with_pictures {
+            add(name("svg"), picture(output, side).map(String::into_bytes).map_err(|e| e.to_string()));
+        }
     }
     files
 }
@@ -64,10 +76,14 @@ fn picture(output: &Output, side: &SideOutput) -> Result<String, plot::PlotError
         (false, true) => format!("{}: pressure on {}", output.title, side.name),
         (false, false) => format!("{}: multiplier on {}", output.title, side.name),
     };
+    let length = output.units.length.as_str();
+    // lambda of conduction is a flux, whose unit is not known
+    let stress = if output.picture.as_ref().is_some_and(|p| p.field == "u") { String::new() } else { output.units.stress() };
     match &side.part {
         SidePart::Curve(part) => {
             let exact = side.exact.as_ref().map(|f| &**f as plot::ExactCurve<'_>);
-            plot::side(&SidePlot { title: &title, contact: side.contact, rows: &side.rows, exact }, part)
+            let units = [length, stress.as_str()];
+            plot::side(&SidePlot { title: &title, contact: side.contact, rows: &side.rows, exact, units }, part)
         }
         SidePart::Surface(part) => {
             let components = part.fields.iter().find(|f| f.name == "lambda").map_or(1, |f| f.components);
@@ -76,7 +92,12 @@ fn picture(output: &Output, side: &SideOutput) -> Result<String, plot::PlotError
                 (false, 1) => ("lambda", |lambda| lambda[0]),
                 (false, _) => ("|lambda|", |lambda| lambda.iter().map(|l| l * l).sum::<f64>().sqrt()),
             };
-            plot::surface(&FieldPlot { title: &title, label, field: "lambda", component: 0, range: None }, shown, part)
+            let label = label.to_owned() + &plot::in_unit(&stress);
+            plot::surface(
+                &FieldPlot { title: &title, label: &label, field: "lambda", component: 0, range: None, length, moved: 0.0, marks: &[] },
+                shown,
+                part,
+            )
         }
     }
 }

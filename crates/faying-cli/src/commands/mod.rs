@@ -22,6 +22,7 @@ mod panics;
 mod place;
 mod results;
 mod run;
+mod run_report;
 mod schema;
 mod signals;
 mod streams;
@@ -29,6 +30,8 @@ mod study;
 mod study_axes;
 mod summary;
 mod timing;
+mod watch;
+mod written;
 
 use self::arguments::{Arguments, Command, EndsChoice, NormChoice};
 use self::ended::{Exit, plain_failure};
@@ -100,7 +103,8 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
     let order = |command, tol| Order { registry, command, tol, common, streams, words };
     let runs = |_: Option<&StudyValues>| -> Box<dyn Method + Sync + '_> { Box::new(Runs { registry }) };
     match &arguments.command {
-        Command::Run(run) => run::run(registry, run, &arguments.common, streams, words),
+        Command::Run(run) if run.dry => check::dry(registry, run, common, streams),
+        Command::Run(run) => run::run(registry, run, common, streams, words),
         Command::Check(check) => check::check(registry, check, &arguments.common, streams),
         Command::New(new) => new::new(new, &arguments.common),
         Command::Compare(compare) => study::study(&study::COMPARE, &runs, &order(&compare.study, compare.tol)),
@@ -108,6 +112,8 @@ fn command(registry: &Registry, arguments: &Arguments, streams: &Streams, words:
         Command::Quadrature(command) => study::study(&study::QUADRATURE, &runs, &order(command, None)),
         Command::Sweep(command) => study::study(&study::SWEEP, &runs, &order(command, None)),
         Command::Schema(schema) => schema::schema(registry, schema),
+        Command::Completions(shell) => written::completions(shell),
+        Command::Man => written::man(),
         Command::Explain(code) => explain::explain(code, &registry.case_names()),
         Command::Inspect(inspect) => inspect::inspect(registry, inspect, &arguments.common),
         Command::Convert(convert) => convert::convert(registry, convert, &arguments.common),

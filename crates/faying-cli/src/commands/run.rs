@@ -7,6 +7,7 @@ use super::files::{self, OutputFile};
 use super::folder::Folder;
 use super::history;
 use super::results::Results;
+use super::run_report;
 use super::streams::Streams;
 use super::summary;
 use super::timing::Clock;
@@ -15,23 +16,43 @@ use crate::{Finished, Progress, Registry, RunControl, RunOptions, RunResult, Ste
 use faying_files::pvd;
 use faying_files::vtu::CellStyle;
 use std::ffi::OsString;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
-/// Solves a case and writes its folder.
+/// The page on a run.
+const REPORT: &str = "report.html";
+
+/// Solves a case and writes its folder, with `--watch` again at every change of its files.
 pub fn run(registry: &Registry, arguments: &RunArguments, common: &Common, streams: &Streams, words: &[OsString]) -> Exit {
-    let clock = Clock::start(streams);
-    let ended = solved(registry, arguments, common, words, &clock).unwrap_or_else(|ended| ended);
-    clock.stop();
-    ended
+    let interrupted = case::interrupted();
+    let once = |files: &mut Vec<PathBuf>| {
+        let clock = Clock::start(streams);
+        let ended = solved(registry, arguments, common, words, (&clock, &interrupted), files).unwrap_or_else(|ended| ended);
+        clock.stop();
+        ended
+    };
+    match arguments.watch {
+        false => once(&mut Vec::new()),
+        true => super::watch::watch(&arguments.case, streams, &interrupted, &once, &|ended| super::tell(streams, ended)),
+    }
 }
 
-fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words: &[OsString], clock: &Clock) -> Result<Exit, Exit> {
+fn solved(
+    registry: &Registry,
+    arguments: &RunArguments,
+    common: &Common,
+    words: &[OsString],
+    (clock, interrupted): (&Clock, &Arc<AtomicBool>),
+    files: &mut Vec<PathBuf>,
+) -> Result<Exit, Exit> {
     let hears = clock.clone();
-    let watch = RunControl { listener: Some(Box::new(move |news| hears.hear(news))), ..case::watch(common) };
+    let watch = RunControl { listener: Some(Box::new(move |news| hears.hear(news))), ..case::watch(common, interrupted) };
     clock.note(&format!("faying {} {}", env!("CARGO_PKG_VERSION"), shown(words).join(" ")));
     clock.hear(Progress::Phase("read"));
     let path = case::out(&arguments.case, common);
     let loaded = case::load(&arguments.case, arguments.backend.as_deref(), common, registry)?;
+    files.extend(loaded.case.files.iter().map(|file| file.path.clone()));
     let folder = Folder::claim(&path, &loaded.path, &loaded.inputs[0].sha256, common.force).map_err(Exit::from)?;
     let keep = arguments.save_reference.as_deref();
     keep.map_or(Ok(()), |file| super::keep::claim(file, &loaded.inputs, common.force)).map_err(Exit::from)?;
@@ -45,7 +66,7 @@ fn solved(registry: &Registry, arguments: &RunArguments, common: &Common, words:
     };
     let threads = pool.current_num_threads();
     let results = Results { command: "run", loaded: &loaded, folder: &folder, words, threads, clock };
-    let job = Job { results, vtu: arguments.vtu, keep, watch: &watch };
+    let job = Job { results, vtu: arguments.vtu, pictures: !arguments.no_pictures, keep, watch: &watch };
     Ok(pool.install(|| {
         let finished = crate::run::run(&loaded.case, registry, &RunOptions { cells, keep: keep.is_some() }, &watch);
         job.write(finished)
@@ -103,6 +124,7 @@ pub(super) fn shown(words: &[OsString]) -> Vec<String> {
 struct Job<'a> {
     results: Results<'a>,
     vtu: Option<VtuCells>,
+    pictures: bool,
     keep: Option<&'a Path>,
     watch: &'a RunControl,
 }
@@ -120,8 +142,9 @@ impl Job<'_> {
         let stems = output.as_ref().map(files::stems).unwrap_or_default();
         // steps have files of their own
         let alone = with_vtu && !self.results.loaded.case.has_steps();
-        let history = output.as_ref().and_then(|output| files::active_set(&output.title, &result, &mut trouble));
-        let mut shown = output.map(|output| files::of(&output, alone, &mut trouble)).unwrap_or_default();
+        let drawn = output.as_ref().filter(|_| self.pictures);
+        let history = drawn.and_then(|output| files::active_set(&output.title, &result, &mut trouble));
+        let mut shown = output.map(|output| files::of(&output, alone, self.pictures, &mut trouble)).unwrap_or_default();
         shown.extend(history);
         if !result.steps.is_empty() {
             shown.push(OutputFile { name: "history.csv".to_owned(), bytes: history::csv(&result).into_bytes() });
@@ -149,7 +172,8 @@ impl Job<'_> {
     fn files(&self, result: &mut RunResult, shown: &[OutputFile], steps: &Steps) -> Result<String, Diagnostic> {
         let folder = self.results.folder;
         self.results.clock.hear(Progress::Phase("write"));
-        let names = self.results.open(shown.iter().map(|f| f.name.clone()).chain(steps.names()))?;
+        let own = shown.iter().map(|f| f.name.clone()).chain(steps.names()).chain([REPORT.to_owned()]);
+        let names = self.results.open(own)?;
         result.files.clone_from(&names);
         steps.write(folder, &mut result.warnings)?;
         // drawing takes its time, too
@@ -157,6 +181,8 @@ impl Job<'_> {
         for file in shown {
             folder.write(&file.name, &file.bytes)?;
         }
+        let page = run_report::html(result, self.results.loaded, shown, &messages(result), &self::shown(self.results.words));
+        folder.write(REPORT, page.as_bytes())?;
         let document = result.to_json();
         self.results.close(&names, &messages(result), &document)?;
         Ok(document)

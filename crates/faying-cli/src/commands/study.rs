@@ -26,7 +26,7 @@ pub struct StudyKind {
     pub levels: usize,
     /// Integrations of interfaces; empty: as written.
     pub integrations: &'static [&'static str],
-    /// Their points beyond the default; empty: as written.
+    /// Extra Gauss points per segment; empty: as written.
     pub extra_points: &'static [usize],
     /// Whether the case must have an interface or a contact (E063).
     pub needs_interface: bool,
@@ -101,7 +101,7 @@ fn studied<'a>(kind: &StudyKind, make: &MakeMethod<'a>, order: &Order<'_>, clock
         other => hears.hear(other),
     };
     let (arguments, common) = (order.command, order.common);
-    let watch = RunControl { listener: Some(Box::new(listener)), ..case::watch(common) };
+    let watch = RunControl { listener: Some(Box::new(listener)), ..case::watch(common, &case::interrupted()) };
     clock.note(&format!("faying {} {}", env!("CARGO_PKG_VERSION"), shown(order.words).join(" ")));
     clock.hear(Progress::Phase("read"));
     let path = case::folder(&arguments.case, common, kind.command);

@@ -21,13 +21,13 @@ pub fn of(result: &RunResult, folder: Option<&str>) -> String {
             let before = if set.sets.is_empty() { String::new() } else { format!(" after {} sets of the rows alone", set.sets.len()) };
             let _ = writeln!(text, "active set: {} iterations{before}, active rows {}", set.iterations, list(&set.history));
             if set.iterations > 1 {
-                let _ = writeln!(text, "            wrong rows {}", list(&set.wrong));
+                let _ = writeln!(text, "            violated rows per iteration {}", list(&set.wrong));
             }
             for note in &set.notes {
                 let _ = writeln!(text, "            {note}");
             }
             if solve.reason != "converged" && set.best > 0 {
-                let _ = writeln!(text, "            the results show iteration {}, which is least wrong", set.best);
+                let _ = writeln!(text, "            the results show iteration {}, with the fewest violated rows", set.best);
             }
         }
     }
@@ -70,7 +70,7 @@ pub fn of_check(result: &RunResult) -> String {
 const STEPS_SHOWN: usize = 20;
 
 /// The last steps: time, status, probes, and the force and active rows of every contact.
-fn steps(result: &RunResult) -> Table {
+pub(super) fn steps(result: &RunResult) -> Table {
     let mut head = vec!["t".to_owned(), "status".to_owned()];
     head.extend(result.probes.iter().map(|p| p.name.clone()));
     head.extend(result.contact.iter().flat_map(|(name, _)| [format!("{name}.force"), format!("{name}.active")]));
@@ -88,28 +88,31 @@ fn steps(result: &RunResult) -> Table {
     table
 }
 
-fn status(result: &RunResult) -> String {
+pub(super) fn status(result: &RunResult) -> String {
     serde_json::to_value(result.status).ok().and_then(|v| v.as_str().map(str::to_owned)).unwrap_or_default()
 }
 
-fn vector(values: &[f64]) -> String {
+pub(super) fn vector(values: &[f64]) -> String {
     format!("({})", values.iter().map(|v| short(*v, 5)).collect::<Vec<_>>().join(", "))
 }
 
-fn loads(result: &RunResult) -> Table {
+pub(super) fn loads(result: &RunResult) -> Table {
     let mut table = Table::new(["load", "resultant", "moment"]);
     for (name, load) in result.loads.iter() {
-        let about = match &load.moment {
-            None => "-".to_owned(),
-            Some(Moment::Plane(m)) => short(*m, 5),
-            Some(Moment::Space(m)) => vector(m),
-        };
-        table.row([name.to_owned(), vector(&load.force), about]);
+        table.row([name.to_owned(), vector(&load.force), moment(load.moment.as_ref())]);
     }
     table
 }
 
-fn contacts(result: &RunResult) -> Table {
+pub(super) fn moment(moment: Option<&Moment>) -> String {
+    match moment {
+        None => "-".to_owned(),
+        Some(Moment::Plane(m)) => short(*m, 5),
+        Some(Moment::Space(m)) => vector(m),
+    }
+}
+
+pub(super) fn contacts(result: &RunResult) -> Table {
     let mut table = Table::new(["contact", "force", "largest pressure", "area", "half width", "least gap", "active"]);
     for (name, c) in result.contact.iter() {
         table.row([
@@ -125,7 +128,7 @@ fn contacts(result: &RunResult) -> Table {
     table
 }
 
-fn interfaces(result: &RunResult) -> Table {
+pub(super) fn interfaces(result: &RunResult) -> Table {
     let mut table = Table::new(["interface", "|lambda|", "jump", "distance", "segments"]);
     for (name, i) in result.interface.iter() {
         table.row([name.to_owned(), short(i.lambda.norm, 6), short(i.jump.l2, 3), short(i.distance, 3), i.segments.count.to_string()]);
@@ -133,7 +136,7 @@ fn interfaces(result: &RunResult) -> Table {
     table
 }
 
-fn errors(result: &RunResult) -> Table {
+pub(super) fn errors(result: &RunResult) -> Table {
     let mut table = Table::new(["error", "value"]);
     for (name, value) in result.errors.iter().filter(|(name, _)| !name.ends_with(".rel")) {
         table.row([name.to_owned(), short(*value, 6)]);
@@ -141,17 +144,18 @@ fn errors(result: &RunResult) -> Table {
     table
 }
 
-fn probes(result: &RunResult) -> Table {
+pub(super) fn probes(result: &RunResult) -> Table {
     let mut table = Table::new(["probe", "value", "quantity"]);
     for probe in &result.probes {
         let value = if probe.value.is_finite() { short(probe.value, 10) } else { "-".to_owned() };
         let place = probe.at.as_ref().map_or(String::new(), |x| format!(" at {}", vector(x)));
+        let place = probe.patch.as_ref().map_or(place, |patch| format!(", of \"{patch}\": other bodies meet it there"));
         table.row([probe.name.clone(), value, probe.reason.clone().unwrap_or_else(|| probe.quantity.clone() + &place)]);
     }
     table
 }
 
-fn checks(result: &RunResult) -> Table {
+pub(super) fn checks(result: &RunResult) -> Table {
     let mut table = Table::new(["check", "value", "", "wanted", "verdict"]);
     for check in &result.checks {
         let verdict = match (check.skipped, check.ok) {
@@ -162,4 +166,21 @@ fn checks(result: &RunResult) -> Table {
         table.row([check.name.clone(), short(check.value, 8), check.relation.clone(), short(check.expected, 8), verdict]);
     }
     table
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::result::{ActiveSetSummary, SolveReport};
+
+    #[test]
+    fn an_iteration_that_does_not_settle_says_which_state_is_shown() {
+        let mut result = RunResult::new("run", "a.toml");
+        result.solved = true;
+        let set = ActiveSetSummary { iterations: 3, history: vec![7, 4, 5], wrong: vec![7, 0, 2], best: 2, ..Default::default() };
+        result.solve = Some(SolveReport { reason: "cycling".into(), active_set: Some(set), ..Default::default() });
+        let text = of(&result, None);
+        assert!(text.contains("violated rows per iteration 7 0 2"), "{text}");
+        assert!(text.contains("the results show iteration 2, with the fewest violated rows"), "{text}");
+    }
 }

@@ -236,9 +236,9 @@ impl From<Formula> for Data {
     }
 }
 
-/// Whether a name is free to be a constant of `[let]`.
+/// Whether a name is free to be a constant of `[let]`; `g`, which is a variable of gap formulas alone, is.
 pub fn is_free_name(name: &str) -> bool {
-    parse::is_name(name) && !parse::is_reserved(name)
+    parse::is_name(name) && (name == "g" || !parse::is_reserved(name))
 }
 
 #[cfg(test)]

@@ -298,22 +298,23 @@ impl Parser<'_> {
         if self.take("(") {
             return self.call(&name, start);
         }
-        let op = if let Some(value) = self.scope.constants.get(&name) {
+        let variable = VARIABLES.iter().find(|(n, _)| *n == name).map(|(_, v)| *v);
+        // `g` is a variable of gap formulas alone, and may be a constant elsewhere
+        let op = if let Some(v) = variable.filter(|v| self.scope.variables.contains(v)) {
+            Op::Variable(v)
+        } else if let Some(value) = self.scope.constants.get(&name) {
             Op::Constant(value)
         } else if name == "pi" {
             Op::Constant(std::f64::consts::PI)
         } else if name == "e" {
             Op::Constant(std::f64::consts::E)
-        } else if let Some((_, v)) = VARIABLES.iter().find(|(n, _)| *n == name) {
-            if !self.scope.variables.contains(v) {
-                let message = if *v == Variable::G {
-                    "`g` has a value only in the gap formula of a contact".to_owned()
-                } else {
-                    format!("`{name}` has no value here; {}", self.scope.what())
-                };
-                return Err(FormulaError::new(message, start, end - start));
-            }
-            Op::Variable(*v)
+        } else if let Some(v) = variable {
+            let message = if v == Variable::G {
+                "`g` has a value only in the gap formula of a contact".to_owned()
+            } else {
+                format!("`{name}` has no value here; {}", self.scope.what())
+            };
+            return Err(FormulaError::new(message, start, end - start));
         } else if self.is_function(&name) {
             return Err(FormulaError::new(format!("the function `{name}` needs its arguments in brackets"), start, end - start));
         } else {
@@ -429,7 +430,7 @@ impl Parser<'_> {
             return true;
         }
         let open = self.chars.get(k) == Some(&'(');
-        !open && !is_reserved(name) && self.scope.constants.get(name).is_none()
+        !open && (name == "g" || !is_reserved(name)) && self.scope.constants.get(name).is_none()
     }
 
     fn word_at(&self, at: usize, word: &str) -> bool {

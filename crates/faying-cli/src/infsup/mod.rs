@@ -12,7 +12,7 @@ use super::studies::{Method, Row, decided};
 use crate::case::{Case, Multiplier, Tie};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::place::SourceSpan;
-use crate::table::short;
+use crate::table::{decimals, short};
 use faying::coupling::inf_sup::{InfSup, InfSupError, Measure, Norm, Question, ZERO, degree_exponent, inf_sup, slope, verdict};
 use faying::linalg::LinearError;
 use faying::problem::SlaveEnds;
@@ -188,7 +188,7 @@ impl Method for Constants<'_> {
         let lines = lines(rows);
         for line in &lines {
             let Some(last) = line.iter().rev().map(|&k| &rows[k]).find(|row| row.verdict.is_some()) else { continue };
-            let slope = last.slope.map_or(String::new(), |s| format!(", slope {} in h", hundredths(s)));
+            let slope = last.slope.map_or(String::new(), |s| format!(", slope {} in h", decimals(s, 2)));
             let beta = last.beta.filter(|b| *b > ZERO).map_or("0".to_owned(), |b| short(b, 6));
             notes.push(format!("{}: beta {beta} on level {}{slope}: {}", label(last, true), last.spec.level, word(last)));
         }
@@ -207,11 +207,6 @@ impl Method for Constants<'_> {
 
 fn word(row: &Row) -> &str {
     row.verdict.as_deref().unwrap_or_default()
-}
-
-/// Formats with two decimals, without the sign of a zero.
-pub(super) fn hundredths(x: f64) -> String {
-    format!("{:.2}", (100.0 * x).round() / 100.0 + 0.0)
 }
 
 /// Label of a line of rows: case, degree (if `with_degree`), pairing, interface, varied keys.
@@ -297,7 +292,7 @@ fn answer(result: &mut RunResult, case: &Case, names: &[&str], beta: f64) {
         |text: &str| matches!(Quantity::parse(text).map(|q| q.kind), Ok(QuantityKind::Beta(pairing)) if names.contains(&pairing.as_str()));
     for probe in case.probes.iter().filter(|p| mine(&p.quantity.value)) {
         let (name, quantity) = (probe.name.value.clone(), probe.quantity.value.clone());
-        result.probes.push(ProbeReport { name, quantity, value: beta, at: None, reason: None });
+        result.probes.push(ProbeReport { name, quantity, value: beta, at: None, patch: None, reason: None });
     }
     let numbers = result.numbers();
     for check in &case.checks {

@@ -24,7 +24,7 @@ pub(super) fn say<const S: usize, const N: usize>(
 ) {
     for number in 0..context.case.boundaries.len() {
         let block = &context.case.boundaries[number];
-        let mut said = Block { context, problem, places, number, block };
+        let mut said = Block { context, problem, places, number, block, centres: None };
         let (mut on, mut rims, mut faults) = (Vec::with_capacity(block.on.len()), Vec::new(), Vec::new());
         for wanted in &block.on {
             // sides coupled to another side are not outer sides
@@ -43,13 +43,25 @@ pub(super) fn say<const S: usize, const N: usize>(
         faults.extend(on.iter().filter_map(|side| said.on_side(*side).err()).map(|fault| *fault));
         let all = [&on[..], &rims].concat();
         faults.extend(said.on_all(&all).err().map(|fault| *fault));
+        let centres = said.centres;
         context.faults.items.extend(faults);
         if let (true, false, true, Some(filter)) = (on.is_empty(), block.on.is_empty(), !context.faults.has_errors(), &block.filter) {
-            let text = format!("no facet of the sides of \"{}\" has its centre where `{}` holds", block.name.value, filter.value.text());
+            let range = centres.map_or_else(String::new, |range| format!("; the centres lie in {}", ranges(range)));
+            let text =
+                format!("no facet of the sides of \"{}\" has its centre where `{}` holds{range}", block.name.value, filter.value.text());
             let fault = context.error("E015", text, filter.at).with_help("`where` keeps whole facets; a finer mesh has smaller ones");
             context.faults.push(fault);
         }
     }
+}
+
+/// "x from 0.05 to 0.95, y 1".
+fn ranges<const N: usize>([low, high]: [Vector<N>; 2]) -> String {
+    let one = |k: usize| match (short(low[k]), short(high[k])) {
+        (a, b) if a == b => format!("{} {a}", ["x", "y", "z"][k]),
+        (a, b) => format!("{} from {a} to {b}", ["x", "y", "z"][k]),
+    };
+    (0..N).map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// Sides that meet in an edge or a corner such as u0w1 or u0v0w0; `None` for other names.
@@ -88,6 +100,8 @@ struct Block<'a, 'b, const S: usize, const N: usize> {
     places: &'a mut Places,
     number: usize,
     block: &'b Boundary,
+    /// Least and largest coordinates of the centres of the facets that `where` was asked for.
+    centres: Option<[Vector<N>; 2]>,
 }
 
 impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
@@ -98,17 +112,20 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
     /// The side of a reference, or the part of it that `where` keeps, if any.
     fn side(&mut self, wanted: &Located<SideRef>) -> Result<Option<RegionId>, Box<Diagnostic>> {
         let side = self.places.bodies[wanted.value.patch].side(&wanted.value.side);
-        let undefined = std::cell::Cell::new(None);
+        let (undefined, centres) = (std::cell::Cell::new(None), std::cell::Cell::new(self.centres));
         let made = match &self.block.filter {
             None => self.problem.region(side).map(Some),
             Some(f) => self.problem.part(side, &f.value.text(), &|x| {
                 let value = f.value.value(&Point::new(x.as_slice()));
+                let [low, high] = centres.get().unwrap_or([*x; 2]);
+                centres.set(Some([low.inf(x), high.sup(x)]));
                 if value.is_nan() {
                     undefined.set(Some(*x));
                 }
                 value != 0.0
             }),
         };
+        self.centres = centres.get();
         if let (Some(x), Some(filter)) = (undefined.get(), &self.block.filter) {
             let text = format!("`where`: `{}` has no value at the centre of a facet ({})", filter.value.text(), place(x.as_slice()));
             return Err(Box::new(self.error("E017", text, filter.at).with_help("give a formula that has a value everywhere")));

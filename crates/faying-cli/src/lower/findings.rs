@@ -96,10 +96,10 @@ pub(super) fn unjoined<const S: usize, const N: usize>(context: &mut LowerContex
     tell(context, &found[pairs..]);
 }
 
-/// "0.01 apart in the mean, up to 0.02; their facets explain 0.001 in the mean".
+/// "on average 0.01 apart (at most 0.02); faceting would explain 0.001".
 fn apart(c: &Clearance) -> String {
     let [mean, greatest, allowed] = [c.mean(), c.greatest, c.allowed()].map(short);
-    format!("{mean} apart in the mean, up to {greatest}; their facets explain {allowed} in the mean")
+    format!("on average {mean} apart (at most {greatest}); faceting would explain {allowed}")
 }
 
 /// "`a.top` and `b.bottom` are 0.001 apart".

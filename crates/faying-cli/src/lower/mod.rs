@@ -37,6 +37,7 @@ pub use lowered_case::LoweredCase;
 pub(crate) use meshes::{body as mesh_body, counts as mesh_counts, unshared_text};
 pub(crate) use patches::specification;
 pub(crate) use places::Places;
+pub(crate) use sides::names as side_names;
 
 /// A case as a problem that is not assembled yet, with what its statements stand for in the case.
 pub(crate) struct Stated<'a, const S: usize, const N: usize> {

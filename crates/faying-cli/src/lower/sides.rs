@@ -34,7 +34,7 @@ pub(super) fn refused<const S: usize, const N: usize>(
 }
 
 /// Names of the sides of a patch in the body's own words: aliases on boxes, directions or tags elsewhere.
-pub(super) fn names(case: &Case, patch: usize) -> SideNames {
+pub(crate) fn names(case: &Case, patch: usize) -> SideNames {
     let dimension = case.model.dimension.value;
     if case.patches[patch].geometry.value.shape.value.kind() == "box" {
         return Arc::new(move |side| alias(side, dimension).to_owned());
@@ -60,6 +60,11 @@ pub(super) fn side_fault<const S: usize, const N: usize>(
     };
     match error {
         SideError::Unknown { .. } => context.error("E021", format!("there is no side `{patch}.{}`; {known}", wanted.value.side), wanted.at),
+        SideError::Lower { dimension, .. } => {
+            let what = if *dimension == 0 { "points" } else { "edges" };
+            let text = format!("`{patch}.{}` is a set of {what} of the file, no side", wanted.value.side);
+            context.error("E021", text, wanted.at).with_help(format!("[[boundary]] takes it, for fix, dirichlet and force; {known}"))
+        }
         other => context.error("E021", format!("`{patch}.{}`: {other}", wanted.value.side), wanted.at).with_help(known),
     }
 }

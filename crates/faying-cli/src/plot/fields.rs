@@ -1,9 +1,12 @@
 //! `fields.svg`: bodies with their curved element edges over a colour field, and a detail view of a small peak.
 
+use super::compact::compact;
 use super::frame::{axes, bar, outline};
+use super::marks::{draw as draw_marks, words as words_of_marks};
 use super::sample::{Drawn, boxes, division, divisions, sampled};
 use super::simplify::{PIECES, ShadedPolygon, chained, few_lines, joined, straightened};
-use super::{GREY, INK, PlotError, Root, document, shortened, stroke, text, units};
+use super::{GREY, INK, PlotError, Root, document, heading, stroke, taller, text, units};
+use crate::output::Mark;
 use crate::table::short;
 use faying::geometry::Bounds;
 use faying::linalg::Vector;
@@ -25,6 +28,12 @@ pub struct FieldPlot<'a> {
     pub component: usize,
     /// Least and largest value that the colours and the heading show; `None`: those of the points of the picture.
     pub range: Option<[f64; 2]>,
+    /// Unit of lengths; empty: none is shown.
+    pub length: &'a str,
+    /// Factor of the displacements, a field of every part, by which the bodies are moved; 0: at rest.
+    pub moved: f64,
+    /// Supports and loads.
+    pub marks: &'a [Mark],
 }
 
 /// A peak that is smaller than this share of the bodies is shown in detail.
@@ -41,7 +50,7 @@ const DETAIL: f64 = 300.0;
 /// # Errors
 /// [`PlotError`] where a part lacks the field or there is nothing to draw.
 pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, PlotError> {
-    let around: Vec<Vec<Bounds<2>>> = parts.iter().map(|p| boxes(&*p.space)).collect();
+    let around: Vec<Vec<Bounds<2>>> = parts.iter().map(|p| boxes(p, plot.moved)).collect();
     let all = drawn(plot, parts, &divisions(&around))?;
     let points: Vec<Vector<2>> =
         all.iter().flatten().flat_map(|d| d.edges.iter().flat_map(|(line, _)| line)).map(|p| Vector::<2>::from(*p)).collect();
@@ -162,48 +171,60 @@ fn draw(
     scale: &Scale,
     detail: Option<&(Bounds<2>, Vec<Drawn>)>,
 ) -> Result<String, PlotError> {
-    let padded = bounds.inflated(0.03 * (bounds.hi - bounds.lo).amax());
+    let room = if plot.marks.is_empty() { 0.03 } else { 0.06 };
+    let padded = bounds.inflated(room * (bounds.hi - bounds.lo).amax());
     let extent = padded.hi - padded.lo;
     let per_length = (720.0 / extent[0]).min(560.0 / extent[1]);
-    let (left, top, right, bottom) = (62.0, 80.0, 132.0, 46.0);
+    let (left, right, bottom) = (62.0, 132.0, 46.0);
     let (w, h) = ((extent[0] * per_length).max(260.0), (extent[1] * per_length).max(150.0));
     // the frame may be wider or higher than the bodies; the scale is the same in both directions
     let half = Vector::<2>::new(w, h) * (0.5 / per_length);
-    let view = View { window: Bounds { lo: padded.center() - half, hi: padded.center() + half }, frame: [left, top, w, h] };
     let width = left + w + right + if detail.is_some() { left + DETAIL + 8.0 } else { 0.0 };
+    let more = taller(plot.title, width - left - 20.0, 17.0);
+    let top = 80.0 + more;
+    let view = View { window: Bounds { lo: padded.center() - half, hi: padded.center() + half }, frame: [left, top, w, h] };
     let height = top + if detail.is_some() { h.max(DETAIL) } else { h } + bottom;
-    document(width, height, |root| {
-        let title = shortened(plot.title, width - left - 20.0, 17.0);
-        root.draw(&Text::new(title, (units(left), units(16.0)), text(17.0, INK, HPos::Left, VPos::Top)))?;
-        root.draw(&Text::new(scale.words(plot.label), (units(left), units(42.0)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
+    let drawn = document(width, height, |root| {
+        heading(root, plot.title, [left, 16.0], width - left - 20.0, 17.0)?;
+        let words = scale.words(plot.label) + &words_of_marks(plot);
+        root.draw(&Text::new(words, (units(left), units(42.0 + more)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
         paint(root, &view, all, scale)?;
+        draw_marks(root, plot, &|_| true, &|x| view.pixel(&[x[0], x[1]]))?;
         let ranges = |v: &View| [0, 1].map(|k| [v.window.lo[k], v.window.hi[k]]);
-        let [x, y] = ranges(&view);
-        axes(root, x, y, view.frame)?;
+        axes(root, ranges(&view), plot.length, view.frame)?;
         bar(root, [left + w + 26.0, top, 18.0, h], scale.least, scale.most, scale.uniform, &|v| scale.color(v))?;
         let Some((window, close)) = detail else { return Ok(()) };
         let detail = View { window: *window, frame: [left + w + right + left, top, DETAIL, DETAIL] };
         outline(root, [window.lo, window.hi].map(|p| view.pixel(&p.into())), stroke(INK, 1.0))?;
         let words = format!("detail, {} times as large", short(detail.per_length() / per_length, 2));
-        root.draw(&Text::new(words, (units(detail.frame[0]), units(42.0)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
+        root.draw(&Text::new(words, (units(detail.frame[0]), units(42.0 + more)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
         paint(root, &detail, close, scale)?;
-        let [x, y] = ranges(&detail);
-        axes(root, x, y, detail.frame)?;
+        axes(root, ranges(&detail), plot.length, detail.frame)?;
         outline(root, [window.lo, window.hi].map(|p| detail.pixel(&p.into())), stroke(INK, 1.0))
-    })
+    });
+    drawn.map(|svg| compact(&svg))
 }
 
 /// Draws the pieces, then the lines between elements if they are few enough, then the outlines, all clipped to the window.
 fn paint(root: &Root<'_, '_>, view: &View, drawn: &[Drawn], scale: &Scale) -> Result<(), PlotError> {
     let by = 0.4 / view.per_length();
+    // pieces do not lie over each other but for their seams: those of one colour are drawn together
+    let mut colours: BTreeMap<Option<usize>, (RGBColor, Vec<Vec<(i32, i32)>>)> = BTreeMap::new();
     for d in drawn {
         for run in d.pieces.chunks(d.row).flat_map(|row| row.chunk_by(|a, b| scale.level(a.1) == scale.level(b.1))) {
             let inside = clipped(&overlapping(&around_row(run), by), &view.window);
-            if inside.len() > 2 {
-                let color = scale.color(run[0].1);
-                root.draw(&Polygon::new(inside.iter().map(|p| view.pixel(p)).collect::<Vec<_>>(), color.filled()))?;
+            let mut around: Vec<(i32, i32)> = inside.iter().map(|p| view.pixel(p)).collect();
+            around.extend(around.first().copied());
+            around = straightened(&around, 1.0);
+            around.pop();
+            if around.len() > 2 {
+                let of_colour = colours.entry(scale.level(run[0].1));
+                of_colour.or_insert_with(|| (scale.color(run[0].1), Vec::new())).1.push(around);
             }
         }
+    }
+    for (color, polygons) in colours.into_values() {
+        polygons.into_iter().try_for_each(|points| root.draw(&Polygon::new(points, color.filled())))?;
     }
     let lines = |d: &Drawn, outer: bool| -> Vec<Vec<(i32, i32)>> {
         let of_kind = d.edges.iter().filter(|(_, o)| *o == outer);

@@ -1,28 +1,32 @@
 //! Around a picture: axes with round numbers, a bar of colours.
 
-use super::{FINE, GREY, INK, PALE, PlotError, Root, stroke, text, ticks, units};
-use crate::table::short;
+use super::{FINE, GREY, INK, PALE, PlotError, Root, in_unit, labels, stroke, text, ticks, units};
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-/// Axes of the ranges `x`, `y` in the frame left, top, width, height.
-pub(super) fn axes(root: &Root<'_, '_>, x: [f64; 2], y: [f64; 2], [left, top, w, h]: [f64; 4]) -> Result<(), PlotError> {
+/// Axes of the ranges `x`, `y`, lengths in a unit, in the frame left, top, width, height.
+pub(super) fn axes(root: &Root<'_, '_>, [x, y]: [[f64; 2]; 2], unit: &str, [left, top, w, h]: [f64; 4]) -> Result<(), PlotError> {
     let line = stroke(PALE, 1.0);
     let place = |v: f64, [a, b]: [f64; 2], from: f64, length: f64| units(from + length * (v - a) / (b - a));
     let (base, corner) = (units(top + h), units(left));
     root.draw(&PathElement::new(vec![(corner, units(top)), (corner, base), (units(left + w), base)], line))?;
-    for v in ticks(x[0], x[1], (w / 110.0).ceil() as usize) {
+    let of_x = ticks(x[0], x[1], (w / 110.0).ceil() as usize);
+    for (v, word) in of_x.iter().zip(labels(&of_x, 5)) {
+        let v = *v;
         let at = place(v, x, left, w);
         root.draw(&PathElement::new(vec![(at, base), (at, base + units(4.0))], line))?;
-        root.draw(&Text::new(short(v, 5), (at, base + units(8.0)), text(11.5, GREY, HPos::Center, VPos::Top)))?;
+        root.draw(&Text::new(word, (at, base + units(8.0)), text(11.5, GREY, HPos::Center, VPos::Top)))?;
     }
-    for v in ticks(y[0], y[1], (h / 90.0).ceil() as usize) {
+    let of_y = ticks(y[0], y[1], (h / 90.0).ceil() as usize);
+    for (v, word) in of_y.iter().zip(labels(&of_y, 5)) {
+        let v = *v;
         let at = units(top + h) - (place(v, y, 0.0, h));
         root.draw(&PathElement::new(vec![(corner - units(4.0), at), (corner, at)], line))?;
-        root.draw(&Text::new(short(v, 5), (corner - units(8.0), at), text(11.5, GREY, HPos::Right, VPos::Center)))?;
+        root.draw(&Text::new(word, (corner - units(8.0), at), text(11.5, GREY, HPos::Right, VPos::Center)))?;
     }
-    root.draw(&Text::new("x".to_owned(), (units(left + w), base + units(24.0)), text(11.5, GREY, HPos::Right, VPos::Top)))?;
-    root.draw(&Text::new("y".to_owned(), (corner - units(8.0), units(top - 18.0)), text(11.5, GREY, HPos::Right, VPos::Top)))?;
+    let [of_x, of_y] = ["x", "y"].map(|axis| axis.to_owned() + &in_unit(unit));
+    root.draw(&Text::new(of_x, (units(left + w), base + units(24.0)), text(11.5, GREY, HPos::Right, VPos::Top)))?;
+    root.draw(&Text::new(of_y, (corner + units(4.0), units(top - 18.0)), text(11.5, GREY, HPos::Right, VPos::Top)))?;
     Ok(())
 }
 
@@ -47,11 +51,12 @@ pub(super) fn bar(
     }
     outline(root, [(units(left), units(top)), (units(left + w), units(top + h))], stroke(GREY, 0.8))?;
     let marks = if uniform { vec![0.5 * (least + most)] } else { ticks(least, most, ((h / 60.0) as usize).clamp(3, 8)) };
-    for v in marks {
+    let words = labels(&marks, 4);
+    for (v, word) in marks.into_iter().zip(words) {
         let share = if uniform { 0.5 } else { (v - least) / (most - least) };
         let at = units(top) + (h * (1.0 - share) * FINE).round() as i32;
         root.draw(&PathElement::new(vec![(units(left + w), at), (units(left + w + 4.0), at)], stroke(GREY, 0.8)))?;
-        root.draw(&Text::new(short(v, 4), (units(left + w + 8.0), at), text(11.5, INK, HPos::Left, VPos::Center)))?;
+        root.draw(&Text::new(word, (units(left + w + 8.0), at), text(11.5, INK, HPos::Left, VPos::Center)))?;
     }
     Ok(())
 }

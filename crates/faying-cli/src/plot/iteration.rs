@@ -1,6 +1,6 @@
-//! `active_set.svg`: active and wrong rows of every iteration.
+//! `active_set.svg`: active and violated rows of every iteration.
 
-use super::{BLUE_LINE, GREY, INK, PALE, PlotError, RED_LINE, document, shortened, stroke, text, ticks, units};
+use super::{BLUE_LINE, GREY, INK, PALE, PlotError, RED_LINE, document, heading, stroke, taller, text, ticks, units};
 use crate::table::short;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
@@ -28,16 +28,17 @@ pub fn iteration(plot: &IterationPlot<'_>) -> Result<String, PlotError> {
         return Err(PlotError::Empty(plot.title.to_owned()));
     }
     let most = plot.active.iter().chain(plot.wrong).copied().max().unwrap_or(0).max(1) as f64;
-    let (left, top, w, h) = (62.0, 76.0, 460.0, 200.0);
-    let (width, height) = (left + w + 24.0, top + h + 50.0);
+    let (left, w, h) = (62.0, 460.0, 200.0);
+    let width = left + w + 24.0;
+    let top = 76.0 + taller(plot.title, width - left - 16.0, 15.0);
+    let height = top + h + 50.0;
     // a single iteration stands in the middle
     let (x0, x1) = (0.5, last as f64 + 0.5);
     let px = |x: f64| units(left + w * (x - x0) / (x1 - x0));
     let py = |v: f64| units(top + h * (1.0 - v / (1.06 * most)));
     let base = units(top + h);
     document(width, height, |root| {
-        let heading = shortened(plot.title, width - left - 16.0, 15.0);
-        root.draw(&Text::new(heading, (units(left), units(14.0)), text(15.0, INK, HPos::Left, VPos::Top)))?;
+        heading(root, plot.title, [left, 14.0], width - left - 16.0, 15.0)?;
         for v in ticks(0.0, most, 5).into_iter().filter(|v| v.fract() == 0.0) {
             root.draw(&PathElement::new(vec![(px(x0), py(v)), (px(x1), py(v))], stroke(PALE, 0.8)))?;
             root.draw(&Text::new(short(v, 5), (px(x0) - units(8.0), py(v)), text(11.5, GREY, HPos::Right, VPos::Center)))?;

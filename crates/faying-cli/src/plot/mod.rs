@@ -2,10 +2,12 @@
 //!
 //! Text uses the viewer's own sans-serif font. Equal input gives equal bytes.
 
+mod compact;
 pub mod faces;
 mod fields;
 mod frame;
 mod iteration;
+mod marks;
 mod sample;
 mod side;
 mod simplify;
@@ -13,6 +15,7 @@ mod solids;
 mod study;
 mod surface;
 
+use crate::table::short;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
@@ -85,6 +88,42 @@ fn shortened(text: &str, pixels: f64, size: f64) -> String {
     if line.chars().count() <= room { line } else { line.chars().take(room - 1).chain(['…']).collect() }
 }
 
+/// The lines of a text of at most about `pixels` at the given size, broken at blanks; the third and last one may be cut.
+fn wrapped(text: &str, pixels: f64, size: f64) -> Vec<String> {
+    let room = ((pixels / (0.56 * size)) as usize).max(8);
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let last = lines.len() == 3;
+        match lines.last_mut().filter(|line| last || line.chars().count() + 1 + word.chars().count() <= room) {
+            Some(line) => *line += &format!(" {word}"),
+            None => lines.push(word.to_owned()),
+        }
+    }
+    lines.iter().map(|line| shortened(line, pixels, size)).collect()
+}
+
+/// Height of a line of a heading over its size.
+const LINE: f64 = 1.3;
+
+/// Additional height of a heading of several lines, in pixels.
+fn taller(title: &str, pixels: f64, size: f64) -> f64 {
+    LINE * size * wrapped(title, pixels, size).len().saturating_sub(1) as f64
+}
+
+/// Writes a heading of at most `pixels` per line at the left, in pixels from the top.
+fn heading(root: &Root<'_, '_>, title: &str, [left, top]: [f64; 2], pixels: f64, size: f64) -> Result<(), PlotError> {
+    for (k, line) in wrapped(title, pixels, size).into_iter().enumerate() {
+        let at = (units(left), units(top + LINE * size * k as f64));
+        root.draw(&Text::new(line, at, text(size, INK, HPos::Left, VPos::Top)))?;
+    }
+    Ok(())
+}
+
+/// " [mm]" behind the name of a quantity with a unit; empty without.
+pub(crate) fn in_unit(unit: &str) -> String {
+    if unit.is_empty() { String::new() } else { format!(" [{unit}]") }
+}
+
 /// Draws in units and returns the text of an SVG that is `width` x `height` pixels large.
 fn document(width: f64, height: f64, draw: impl FnOnce(&Root<'_, '_>) -> Result<(), PlotError>) -> Result<String, PlotError> {
     let (w, h) = (units(width).max(1) as u32, units(height).max(1) as u32);
@@ -100,7 +139,14 @@ fn document(width: f64, height: f64, draw: impl FnOnce(&Root<'_, '_>) -> Result<
     Ok(svg.replacen(&size, &format!("width=\"{width:.0}\" height=\"{height:.0}\" viewBox"), 1))
 }
 
-/// Round numbers within `lo..=hi`, about `wanted` of them.
+/// Numbers as labels of at least `digits` digits, as many as it takes for all of them to differ.
+fn labels(values: &[f64], digits: usize) -> Vec<String> {
+    let with = |digits: usize| values.iter().map(|v| short(*v, digits)).collect::<Vec<_>>();
+    let differ = |words: &Vec<String>| words.windows(2).all(|pair| pair[0] != pair[1]);
+    (digits..=16).map(with).find(differ).unwrap_or_else(|| with(17))
+}
+
+/// Round numbers within `lo..=hi`, about `wanted` of them, at least three.
 fn ticks(lo: f64, hi: f64, wanted: usize) -> Vec<f64> {
     let span = hi - lo;
     if !(span.is_finite() && span > 0.0) {
@@ -108,8 +154,11 @@ fn ticks(lo: f64, hi: f64, wanted: usize) -> Vec<f64> {
     }
     let raw = span / wanted.max(1) as f64;
     let power = 10f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|s| *s >= raw * 0.999).unwrap_or(10.0 * power);
-    let (first, last) = ((lo / step - 1e-9).ceil() as i64, (hi / step + 1e-9).floor() as i64);
+    let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0].map(|m| m * power);
+    let start = steps.iter().position(|s| *s >= raw * 0.999).unwrap_or(steps.len() - 1);
+    let within = |step: f64| ((lo / step - 1e-9).ceil() as i64, (hi / step + 1e-9).floor() as i64);
+    let step = steps[..=start].iter().rev().find(|s| within(**s).1 - within(**s).0 >= 2).copied().unwrap_or(steps[0]);
+    let (first, last) = within(step);
     (first..=last).map(|k| k as f64 * step).collect()
 }
 
@@ -123,5 +172,24 @@ mod tests {
         assert_eq!(ulp(ticks(0.0, 1.0, 5)), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
         assert_eq!(ulp(ticks(-0.13, 0.21, 4)), ["-0.1", "0", "0.1", "0.2"]);
         assert_eq!(ticks(2.0, 2.0, 4), [2.0]);
+        // one round number of the wanted step would lie within: finer ones
+        assert_eq!(ulp(ticks(0.9, 1.4, 1)), ["1", "1.2", "1.4"]);
+        assert!((1..9).all(|wanted| (0..200).all(|k| ticks(0.013 * f64::from(k), 0.02 * f64::from(k) + 0.37, wanted).len() > 2)));
+    }
+
+    #[test]
+    fn labels_differ() {
+        assert_eq!(labels(&[0.0, 0.5, 1.0], 4), ["0", "0.5", "1"]);
+        assert_eq!(labels(&[1000.01, 1000.02, 1000.03], 4), ["1000.01", "1000.02", "1000.03"]);
+    }
+
+    #[test]
+    fn long_headings_are_wrapped_at_blanks() {
+        let title = "A long title of many words that does not fit into one line of the picture at this size";
+        let lines = wrapped(title, 300.0, 17.0);
+        assert_eq!((lines.len(), lines.join(" ").as_str()), (3, title));
+        assert!(lines.iter().all(|line| line.chars().count() <= 31));
+        assert!(wrapped(title, 120.0, 17.0)[2].ends_with('…'));
+        assert_eq!(wrapped("", 100.0, 17.0).len(), 0);
     }
 }

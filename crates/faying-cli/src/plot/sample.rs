@@ -36,7 +36,8 @@ const LOOKS: usize = 5;
 
 /// Approximate bounding boxes of all elements: around some of their points. Bulges between these are small in a picture, and
 /// guaranteed bounds would take second derivatives.
-pub(super) fn boxes(space: &dyn Space<2, 2>) -> Vec<Bounds<2>> {
+pub(super) fn boxes(part: &Part<'_, 2, 2>, factor: f64) -> Vec<Bounds<2>> {
+    let space = &*part.space;
     let grids = [Cell::Tensor, Cell::Simplex].map(|kind| [2, LOOKS].map(|n| cell::grid::<2, f64>(kind, n)));
     let maps = || (Sampler::new(space, Order::Values), MapTable::<2, 2>::new());
     (0..space.num_elements())
@@ -44,9 +45,19 @@ pub(super) fn boxes(space: &dyn Space<2, 2>) -> Vec<Bounds<2>> {
         .map_init(maps, |(map, table), e| {
             let (kind, bent) = (usize::from(space.cell(e) == Cell::Simplex), usize::from(!space.map_structure().is_affine(e)));
             map.map(e, 2 * bent + kind, &grids[kind][bent], table);
+            moved(part, factor, e, &grids[kind][bent], &mut table.x);
             Bounds::around(&table.x).unwrap_or(Bounds { lo: Vector::zeros(), hi: Vector::zeros() })
         })
         .collect()
+}
+
+/// Moves the points of an element by their displacements times a factor, where the part has any.
+pub(super) fn moved<const N: usize>(part: &Part<'_, N, N>, factor: f64, element: usize, xi: &[Vector<N>], points: &mut [Vector<N>]) {
+    let Some(field) = part.fields.iter().find(|f| f.name == "displacement" && f.components == N).filter(|_| factor != 0.0) else { return };
+    let by = (field.sample)(element, xi);
+    for (point, u) in points.iter_mut().zip(by.chunks(N)) {
+        *point += Vector::<N>::from_column_slice(u) * factor;
+    }
 }
 
 /// Pieces per direction of every element of every part, whose boxes are `boxes`: by size, within [`PIECES`] in total.
@@ -71,6 +82,7 @@ pub(super) fn sampled(plot: &FieldPlot<'_>, part: &Part<'_, 2, 2>, divisions: &[
         let value = |k: usize| values.get(k * field.components + plot.component).copied().unwrap_or(f64::NAN);
         let mut at = |xi: &[Vector<2>]| -> Vec<[f64; 2]> {
             part.space.map(e, xi, Order::Values, table);
+            moved(part, plot.moved, e, xi, &mut table.x);
             table.x.iter().map(|x| [x[0], x[1]]).collect()
         };
         let corners = at(&cells.concat());

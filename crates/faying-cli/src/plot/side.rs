@@ -1,6 +1,6 @@
 //! `interface_NAME.svg`: the multiplier along its side, with the functions that are active.
 
-use super::{BLUE_LINE, GREY, INK, PALE, PlotError, RED_LINE, document, shortened, stroke, text, ticks, units};
+use super::{BLUE_LINE, GREY, INK, PALE, PlotError, RED_LINE, document, heading, in_unit, labels, stroke, taller, text, ticks, units};
 use crate::table::{InterfaceRow, short};
 use faying::basis::{Elements, Order};
 use faying::geometry::{Geometry, MapTable};
@@ -24,6 +24,8 @@ pub struct SidePlot<'a> {
     pub rows: &'a [InterfaceRow],
     /// The exact multiplier lambda, drawn dashed.
     pub exact: Option<ExactCurve<'a>>,
+    /// Units of length and of force per area; empty: none is shown.
+    pub units: [&'a str; 2],
 }
 
 impl std::fmt::Debug for SidePlot<'_> {
@@ -111,32 +113,32 @@ fn draw(plot: &SidePlot<'_>, length: f64, [s0, s1]: [f64; 2], curves: &[Runs], e
     let (lo, hi) = values().fold((0.0f64, 0.0f64), |(lo, hi), v| (lo.min(v), hi.max(v)));
     let span = if hi - lo > 0.0 { hi - lo } else { 1.0 };
     let (y0, y1) = (lo - 0.08 * span, hi + 0.08 * span);
-    let (left, top, w, h) = (78.0, 84.0, 700.0, 330.0);
-    let (width, height) = (left + w + 30.0, top + h + 52.0);
+    let (left, w, h) = (78.0, 700.0, 330.0);
+    let width = left + w + 30.0;
+    let more = taller(plot.title, width - left - 20.0, 17.0);
+    let top = 84.0 + more;
+    let height = top + h + 52.0;
+    let [of_values, of_lengths] = [ticks(y0, y1, 6), ticks(s0, s1, 7)];
     let colors = [BLUE_LINE, RED_LINE, INK];
     let px = |s: f64| units(left + w * (s - s0) / (s1 - s0));
     let py = |v: f64| units(top + h * (y1 - v) / (y1 - y0));
     let pixels = |line: &[(f64, f64)]| line.iter().map(|p| (px(p.0), py(p.1))).collect::<Vec<_>>();
     document(width, height, |root| {
-        root.draw(&Text::new(
-            shortened(plot.title, width - left - 20.0, 17.0),
-            (units(left), units(16.0)),
-            text(17.0, INK, HPos::Left, VPos::Top),
-        ))?;
-        for v in ticks(y0, y1, 6) {
+        heading(root, plot.title, [left, 16.0], width - left - 20.0, 17.0)?;
+        for (&v, word) in of_values.iter().zip(labels(&of_values, 5)) {
             root.draw(&PathElement::new(vec![(px(s0), py(v)), (px(s1), py(v))], stroke(PALE, 0.8)))?;
-            root.draw(&Text::new(short(v, 5), (px(s0) - units(8.0), py(v)), text(11.5, GREY, HPos::Right, VPos::Center)))?;
+            root.draw(&Text::new(word, (px(s0) - units(8.0), py(v)), text(11.5, GREY, HPos::Right, VPos::Center)))?;
         }
         let base = units(top + h);
-        for s in ticks(s0, s1, 7) {
+        for (&s, word) in of_lengths.iter().zip(labels(&of_lengths, 5)) {
             root.draw(&PathElement::new(vec![(px(s), base), (px(s), base + units(4.0))], stroke(GREY, 0.8)))?;
-            root.draw(&Text::new(short(s, 5), (px(s), base + units(8.0)), text(11.5, GREY, HPos::Center, VPos::Top)))?;
+            root.draw(&Text::new(word, (px(s), base + units(8.0)), text(11.5, GREY, HPos::Center, VPos::Top)))?;
         }
         root.draw(&PathElement::new(vec![(px(s0), base), (px(s1), base)], stroke(GREY, 0.8)))?;
         root.draw(&PathElement::new(vec![(px(s0), py(0.0)), (px(s1), py(0.0))], stroke(GREY, 1.0)))?;
         let all = if s1 - s0 < length { format!(" ({} in all)", short(length, 4)) } else { String::new() };
         root.draw(&Text::new(
-            format!("arc length along the slave side{all}"),
+            format!("arc length along the slave side{}{all}", in_unit(plot.units[0])),
             (px(s1), base + units(28.0)),
             text(12.0, GREY, HPos::Right, VPos::Top),
         ))?;
@@ -165,7 +167,7 @@ fn draw(plot: &SidePlot<'_>, length: f64, [s0, s1]: [f64; 2], curves: &[Runs], e
                 }
             }
         }
-        legend(root, plot, curves.len(), !exact.is_empty(), [left, 50.0], &colors)
+        legend(root, plot, curves.len(), !exact.is_empty(), [left, 50.0 + more], &colors)
     })
 }
 
@@ -196,7 +198,7 @@ fn legend(
         (false, _) => vec!["lambda.x", "lambda.y", "lambda.z"],
     };
     for (name, color) in names.iter().take(components).zip(colors) {
-        let x = say(name, 24.0)?;
+        let x = say(&format!("{name}{}", in_unit(plot.units[1])), 24.0)?;
         root.draw(&PathElement::new(vec![(units(x), middle), (units(x + 24.0), middle)], stroke(*color, 2.0)))?;
     }
     if exact {

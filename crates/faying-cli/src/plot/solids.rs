@@ -4,9 +4,13 @@
 //! together with their pieces. Where pieces are more than a picture needs they are put into a raster of small squares, each
 //! coloured as its nearest piece: the size of the file is bounded.
 
+use super::compact::compact;
 use super::fields::{Scale, overlapping};
 use super::frame::bar;
-use super::{FieldPlot, GREY, INK, PlotError, document, shortened, stroke, text, units};
+use super::marks::{draw as draw_marks, words as words_of_marks};
+use super::sample::moved;
+use super::{FieldPlot, GREY, INK, PlotError, document, heading, stroke, taller, text, units};
+use crate::output::Mark;
 use crate::table::short;
 use faying::basis::{Cell, Order};
 use faying::geometry::MapTable;
@@ -188,6 +192,7 @@ fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face
         .collect();
     let corners: Vec<Vector<3>> = cells.iter().flat_map(|(c, _)| c.iter().map(|p| place(p[0], p[1]))).collect();
     part.space.map(face.element, &corners, Order::Values, &mut table);
+    moved(part, plot.moved, face.element, &corners, &mut table.x);
     let mut from = 0;
     let mut out = Vec::new();
     for (k, (c, edges)) in cells.into_iter().enumerate() {
@@ -241,15 +246,16 @@ pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<SolidPiece>, scale: &Scale
     let ((x0, x1), (y0, y1), (z0, z1)) = (range(0), range(1), range(2));
     let size = (x1 - x0).max(y1 - y0).max(z1 - z0).max(f64::MIN_POSITIVE);
     let per_length = (FRAME[0] / (x1 - x0).max(1e-3 * size)).min(FRAME[1] / (y1 - y0).max(1e-3 * size));
-    let (left, top, right, bottom) = (40.0, 80.0, 132.0, 92.0);
+    let (left, right, bottom) = (40.0, 132.0, 92.0);
     let (w, h) = (((x1 - x0) * per_length).max(260.0), ((y1 - y0) * per_length).max(150.0));
+    let width = left + w + right;
+    let more = taller(plot.title, width - left - 20.0, 17.0);
+    let top = 80.0 + more;
     let pixel = |c: &[f64; 3]| [left + (c[0] - x0) * per_length, top + (y1 - c[1]) * per_length];
-    let (width, height) = (left + w + right, top + h + bottom);
-    document(width, height, |root| {
-        let title = shortened(plot.title, width - left - 20.0, 17.0);
-        root.draw(&Text::new(title, (units(left), units(16.0)), text(17.0, INK, HPos::Left, VPos::Top)))?;
-        let words = scale.words(plot.label);
-        root.draw(&Text::new(words, (units(left), units(42.0)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
+    let drawn = document(width, top + h + bottom, |root| {
+        heading(root, plot.title, [left, 16.0], width - left - 20.0, 17.0)?;
+        let words = scale.words(plot.label) + &words_of_marks(plot);
+        root.draw(&Text::new(words, (units(left), units(42.0 + more)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
         let polygon = |p: &SolidPiece| p.corners.iter().map(pixel).map(|p| (units(p[0]), units(p[1]))).collect::<Vec<_>>();
         if all.len() <= 2 * PIECES {
             let mut strokes: Vec<(f64, Vec<(i32, i32)>)> = Vec::new();
@@ -284,6 +290,11 @@ pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<SolidPiece>, scale: &Scale
                 root.draw(&Rectangle::new([(at(i), at(j)), (at(i + 1), at(j + 1))], scale.color(value).filled()))?;
             }
         }
+        let seen = |mark: &Mark| camera.toward.dot(&Vector::from(mark.normal)) > 0.0;
+        draw_marks(root, plot, &seen, &|x| {
+            let [a, b] = pixel(&camera.see(&Vector::from(*x)));
+            (units(a), units(b))
+        })?;
         let zero = [left + 34.0, top + h + 52.0];
         for (k, name) in ["x", "y", "z"].into_iter().enumerate() {
             let [a, b, _] = camera.see(&Vector::from_fn(|i, _| f64::from(u8::from(i == k))));
@@ -291,11 +302,12 @@ pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<SolidPiece>, scale: &Scale
             root.draw(&PathElement::new(vec![tip(0.0), tip(30.0)], stroke(GREY, 1.2)))?;
             root.draw(&Text::new(name.to_owned(), tip(40.0), text(11.5, GREY, HPos::Center, VPos::Center)))?;
         }
-        let scale_of = short(size, 3);
-        let words = format!("largest extent in view: {scale_of}");
+        let unit = if plot.length.is_empty() { String::new() } else { format!(" {}", plot.length) };
+        let words = format!("largest extent in view: {}{unit}", short(size, 3));
         root.draw(&Text::new(words, (units(left + 90.0), units(top + h + 52.0)), text(11.5, GREY, HPos::Left, VPos::Center)))?;
         bar(root, [left + w + 26.0, top, 18.0, h], scale.least, scale.most, scale.uniform, &|v| scale.color(v))
-    })
+    });
+    drawn.map(|svg| compact(&svg))
 }
 
 /// Squares of the drawing with the value of the nearest piece whose middle or corners lie in them; pieces come from far to near.

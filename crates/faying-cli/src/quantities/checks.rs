@@ -68,7 +68,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             let prepared = understand(&of_checks, &mut faults, &c.quantity, c.over_all.is_some());
             let field = matches!(prepared, Prepared::FunctionSpace(_, _, Reduce::None));
             if let (Some(over), false, true) = (&c.over_all, field, faults.items.len() == before) {
-                let message = format!("`over` holds both extremes of a field to a check, `{}` is one number", c.quantity.value);
+                let message = format!("`over` checks the minimum and maximum of a field, `{}` is one number", c.quantity.value);
                 let help = "leave it out, or name a field as a whole such as stress.yy";
                 faults.push(Diagnostic::error("E015", message).with_help(help).at(&case.source, over.at));
             }
@@ -107,7 +107,11 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                     Answer::None(reason) => (f64::NAN, None, Some(reason)),
                     Answer::Study => (f64::NAN, None, Some("only studies answer this quantity".to_string())),
                 };
-                ProbeReport { name: probe.name.value.clone(), quantity: probe.quantity.value.clone(), value, at, reason }
+                let patch = match prepared {
+                    Prepared::At(_, spot) if spot.shared => Some(case.patches[spot.patch].name.value.clone()),
+                    _ => None,
+                };
+                ProbeReport { name: probe.name.value.clone(), quantity: probe.quantity.value.clone(), value, at, patch, reason }
             })
             .collect();
     }

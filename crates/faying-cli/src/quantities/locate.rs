@@ -13,6 +13,8 @@ use std::sync::Arc;
 pub struct Spot<const N: usize> {
     /// The patch.
     pub patch: usize,
+    /// Whether other patches contain it, too, and none was asked for.
+    pub shared: bool,
     /// Elements that contain the point, with local coordinates: several on common edges.
     pub elements: Vec<(usize, Vector<N>)>,
 }

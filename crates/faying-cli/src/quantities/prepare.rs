@@ -111,7 +111,10 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                             .with_help(format!("add `at {}`, `.min` or `.max`; a check may say over = \"all\"", POINT[N - 2])),
                     )),
                     (At::Everywhere, ..) => Ok(Prepared::FunctionSpace(field, bodies, reduce)),
-                    _ => Ok(Prepared::At(field, self.spot(text, &place, &bodies, at)?)),
+                    _ => {
+                        let spot = self.spot(text, &place, &bodies, at)?;
+                        Ok(Prepared::At(field, Spot { shared: spot.shared && patch.is_none(), ..spot }))
+                    }
                 }
             }
         }
@@ -190,11 +193,13 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     fn spot(&self, text: &str, place: &At, bodies: &[usize], at: SourceSpan) -> Result<Spot<N>, Box<Diagnostic>> {
         let x = self.point(text, place, at)?;
         let (mut best, mut nearest_body): (Option<(f64, usize, usize, Vector<N>, Vector<N>)>, f64) = (None, f64::INFINITY);
+        let (rounding, mut distances) = (1e-9 * self.contents.size().diagonal, Vec::new());
         for &k in bodies {
             match self.locators.of(k).locate(&x) {
                 Ok(found) => {
                     // patches that touch in the point: the first one is taken
-                    let better = best.as_ref().is_none_or(|b| found.distance < b.0 - 1e-9 * self.contents.size().diagonal);
+                    let better = best.as_ref().is_none_or(|b| found.distance < b.0 - rounding);
+                    distances.push(found.distance);
                     if better {
                         best = Some((found.distance, k, found.element, found.xi, found.x));
                     }
@@ -202,7 +207,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                 Err(outside) => nearest_body = nearest_body.min(outside.distance),
             }
         }
-        let Some((_, patch, element, xi, x)) = best else {
+        let Some((distance, patch, element, xi, x)) = best else {
             let coordinates: Vec<String> = x.iter().map(|v| format!("{v}")).collect();
             let whole = match bodies {
                 [one] if self.contents.bodies().len() > 1 => format!("patch \"{}\"", self.contents.body(*one).name()),
@@ -215,7 +220,8 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                     .with_help("points off a body by less than a quarter of an element move to the nearest point"),
             ));
         };
-        Ok(Spot { patch, elements: self.locators.around(patch, element, xi, &x) })
+        let shared = distances.iter().filter(|d| **d <= distance + rounding).count() > 1;
+        Ok(Spot { patch, shared, elements: self.locators.around(patch, element, xi, &x) })
     }
 
     fn side_measure(&self, text: &str, side: &str, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
@@ -283,10 +289,39 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                 return Err(Box::new(self.fault("E018", text, at).with_help("write coupling = \"mortar\" there")));
             }
         }
+        if let Some(fault) = self.no_couple(text, &path, at) {
+            return Err(fault);
+        }
         let fields = self.fields().join(", ");
         let fault = self.suggest(*self.fault("E018", format!("unknown quantity `{text}`"), at), text);
         let heads: Vec<&str> = ["energy", "unknowns", "error", "reaction", "area", "length", "interface", "contact", "balance"].to_vec();
         Err(Box::new(fault.with_help(format!("quantities: {fields} `at {}`; {} ...", POINT[N - 2], heads.join(", ")))))
+    }
+
+    /// E018 for a contact or interface that the case does not have; `None` for other paths.
+    fn no_couple(&self, text: &str, path: &[String], at: SourceSpan) -> Option<Box<Diagnostic>> {
+        let [kind, name, ..] = path else { return None };
+        // glued interfaces are in the case alone
+        let ties: Vec<&str> = self.case.interfaces.iter().map(|t| t.name.as_str()).collect();
+        let contacts: Vec<&str> = self.case.contacts.iter().map(|c| c.name.as_str()).collect();
+        let (names, other, others) = match kind.as_str() {
+            "contact" => (contacts, "interface", ties),
+            "interface" => (ties, "contact", contacts),
+            _ => return None,
+        };
+        if names.contains(&name.as_str()) {
+            return None;
+        }
+        let known = match names.as_slice() {
+            [] => format!("the case has no [[{kind}]]"),
+            list => format!("{kind}s: {}", list.join(", ")),
+        };
+        let fault = self.fault("E018", format!("`{text}`: there is no {kind} `{name}`; {known}"), at);
+        Some(Box::new(match names.is_empty() {
+            _ if others.contains(&name.as_str()) => fault.with_help(format!("that name stands in [[{other}]]: write {other}.{name}")),
+            true => fault.with_help("leave it out, or name a quantity of what the case has"),
+            false => self.suggest(*fault, text).with_help(format!("write {kind}.NAME with one of these names")),
+        }))
     }
 
     fn fields(&self) -> &'static [&'static str] {
@@ -440,9 +475,11 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
 
     fn pressure(&self, text: &str, name: &str, pressure: bool, place: &At, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         let Some(contact) = self.contents.contacts().find(|c| c.name() == name) else {
-            let names: Vec<&str> = self.contents.interfaces().map(|of| of.name()).collect();
-            let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
-            return Err(self.fault("E018", format!("`{text}`: there is no interface or contact \"{name}\"{near}"), at));
+            let kind = text.trim_start().split('.').next().unwrap_or_default().to_owned();
+            return match self.no_couple(text, &[kind, name.to_owned()], at) {
+                Some(fault) => Err(fault),
+                None => Err(self.fault("E018", format!("`{text}`: contacts have a pressure, interfaces lambda"), at)),
+            };
         };
         let x = self.point(text, place, at)?;
         Ok(Prepared::Pressure(self.on_sides(text, &contact, &x, at)?, pressure))

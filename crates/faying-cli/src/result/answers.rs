@@ -14,6 +14,9 @@ pub struct ProbeReport {
     /// Place of an extreme \[length\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub at: Option<Vec<f64>>,
+    /// The patch whose value was taken, where several patches hold the point and the quantity names none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub patch: Option<String>,
     /// Reason for a missing value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,

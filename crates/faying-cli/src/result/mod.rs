@@ -122,7 +122,10 @@ pub struct RunResult {
     /// The linear algebra.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solve: Option<SolveReport>,
-    /// Predicted size and memory of a run: `check` alone.
+    /// The model in words, a line each: `run --dry` alone.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub model: Vec<String>,
+    /// Predicted size and memory of a run: `check` and `run --dry`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub predicted: Option<Prediction>,
     /// Time of the numbers below: that of the last step with a state; `None` without steps.
@@ -183,6 +186,7 @@ impl RunResult {
             unknowns: Unknowns::default(),
             geometry: GeometryReport::default(),
             solve: None,
+            model: Vec::new(),
             predicted: None,
             t: None,
             contact: IndexMap::default(),
@@ -209,7 +213,8 @@ impl RunResult {
     pub fn to_value(&self) -> serde_json::Value {
         let mut value = self.numbers();
         if !self.solved {
-            super::null_out::forget(&mut value, &self.command, !self.backends.is_empty());
+            let looked_at = self.command == "check" || self.predicted.is_some();
+            super::null_out::forget(&mut value, looked_at, !self.backends.is_empty());
         }
         value
     }

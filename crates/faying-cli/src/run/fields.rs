@@ -1,9 +1,10 @@
 //! Fields of a solution for the files.
 
 use super::Solved;
-use crate::case::Case;
+use crate::case::{Case, Deformed};
 use crate::formula::Point;
-use crate::output::{ExactCurve, FieldRange, Output, Parts, Picture, RunOptions, SideOutput, SidePart};
+use crate::output::{DisplacementFactor, ExactCurve, FieldRange, Output, Parts, Picture, RunOptions, SideOutput, SidePart};
+use crate::plot::in_unit;
 use crate::table::InterfaceRow;
 use faying::linalg::Vector;
 use faying::physics::von_mises;
@@ -42,11 +43,19 @@ pub fn volume_output(case: &Case, solved: &Arc<Solved<2, 3>>, options: &RunOptio
 
 fn assembled<const S: usize, const N: usize>(case: &Case, solved: &Arc<Solved<S, N>>, parts: Parts, sides: Vec<SideOutput>) -> Output {
     let title = if case.title.value.is_empty() { case.source.name.clone() } else { case.title.value.clone() };
-    let (field, label) = if solved.solution.contents().components() == 1 { ("u", "u") } else { ("von_mises", "von Mises stress") };
-    let picture = Some(Picture { field: field.into(), component: 0, label: label.into() });
+    let (field, label) = match solved.solution.contents().components() {
+        1 => ("u", "u".to_owned()),
+        _ => ("von_mises", "von Mises stress".to_owned() + &in_unit(&case.units.stress())),
+    };
+    let picture = Some(Picture { field: field.into(), component: 0, label });
+    let marks = super::marks::of(case, solved);
+    let deformed = {
+        let (solved, wanted, contact) = (Arc::clone(solved), case.deformed, !case.contacts.is_empty());
+        DisplacementFactor(Box::new(move || factor(&solved, wanted, contact)))
+    };
     let solved = Arc::clone(solved);
     let range = Some(FieldRange(Box::new(move || range(&solved))));
-    Output { title, parts, picture, range, sides }
+    Output { title, units: case.units.clone(), parts, picture, deformed, marks, range, sides }
 }
 
 /// Least and largest value of the field of the picture over the closed elements of all bodies.
@@ -57,6 +66,33 @@ fn range<const S: usize, const N: usize>(solved: &Solved<S, N>) -> Option<[f64; 
     let mut parts = contents.bodies().map(|body| solution.extremes(body.id(), !scalar, &value).ok().flatten());
     let join = |[a, b]: [f64; 2], [low, high]: [Extreme<N>; 2]| [a.min(low.value), b.max(high.value)];
     parts.try_fold([f64::INFINITY, f64::NEG_INFINITY], |found, part| Some(join(found, part?)))
+}
+
+/// Share of the size of all bodies that the largest displacement of a picture has.
+const SHOWN: f64 = 0.05;
+
+/// The factor of the displacements in the picture: 1, 2 or 5 times a power of ten that makes the largest at most [`SHOWN`] of the size,
+/// never below 1; with contact, whose gaps do not grow, 1.
+fn factor<const S: usize, const N: usize>(solved: &Solved<S, N>, wanted: Deformed, contact: bool) -> f64 {
+    let contents = solved.solution.contents();
+    if contents.components() == 1 {
+        return 0.0;
+    }
+    if let Deformed::Factor(factor) = wanted {
+        return factor;
+    }
+    let size = |s: &PointState<N>| s.u.iter().map(|u| u * u).sum::<f64>().sqrt();
+    let of_body = |id| solved.solution.extremes(id, false, &size).ok().flatten().map_or(f64::NAN, |[_, high]| high.value);
+    let largest = contents.bodies().map(|body| of_body(body.id())).fold(0.0, f64::max);
+    let room = SHOWN * contents.size().diagonal / largest;
+    if !(largest > 0.0 && room.is_finite()) {
+        return 0.0;
+    }
+    if contact || room < 1.0 {
+        return 1.0;
+    }
+    let power = 10f64.powf(room.log10().floor());
+    [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|m| *m <= room).unwrap_or(power)
 }
 
 fn bodies<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, options: &RunOptions) -> Vec<Part<'static, N, N>> {

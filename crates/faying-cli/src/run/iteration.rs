@@ -49,7 +49,7 @@ fn note_of(one: &str, event: &ActiveSetEvent) -> String {
 
 /// Lines for the log: every iteration with its sign cases, then the events.
 pub fn lines(report: &ActiveSetReport) -> Vec<String> {
-    let mut lines = vec!["active set: iteration, active and wrong rows; rows lambda < 0, = 0, > 0 by gap = 0, > 0, < 0".to_owned()];
+    let mut lines = vec!["active set: iteration, active and violated rows; rows lambda < 0, = 0, > 0 by gap = 0, > 0, < 0".to_owned()];
     let wrong = report.violated();
     for (k, ((active, wrong), cases)) in report.history.iter().zip(wrong).zip(&report.sign_cases).enumerate() {
         let row = |r: usize| cases[3 * r..3 * r + 3].iter().map(usize::to_string).collect::<Vec<_>>().join(" ");

@@ -5,6 +5,8 @@ mod faults;
 mod fields;
 mod forecast;
 mod iteration;
+mod marks;
+mod model_words;
 mod multipliers;
 mod report;
 mod room;
@@ -32,6 +34,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 pub(crate) use forecast::too_large;
+pub(crate) use model_words::equation;
 pub(crate) use room::{MemoryLimit, memory_for_files, most_threads};
 pub use solver::solver;
 
@@ -175,15 +178,29 @@ where
 
 /// Does everything but the solve: the result has the names, the counts and the prediction.
 pub fn check(case: &Case, registry: &Registry, _options: &RunOptions, watch: &RunControl) -> Finished {
-    if in_space(case) { check_in(case, registry, &volume(registry), watch) } else { check_in(case, registry, &plane(registry), watch) }
+    let result = unsolved("check", case, registry, watch);
+    Finished { result, output: None, steps: Vec::new(), stored: None }
+}
+
+/// Does everything of a run but the solve: the result has the model in words, the names, the counts and the prediction.
+pub fn dry(case: &Case, registry: &Registry, watch: &RunControl) -> RunResult {
+    unsolved("run", case, registry, watch)
+}
+
+fn unsolved(command: &str, case: &Case, registry: &Registry, watch: &RunControl) -> RunResult {
+    match in_space(case) {
+        true => check_in(command, case, registry, &volume(registry), watch),
+        false => check_in(command, case, registry, &plane(registry), watch),
+    }
 }
 
 fn check_in<const S: usize, const N: usize>(
+    command: &str,
     case: &Case,
     registry: &Registry,
     dimension: &Dimension<'_, S, N>,
     watch: &RunControl,
-) -> Finished
+) -> RunResult
 where
     Trace<S, N>: InterfaceSide<S, N>,
 {
@@ -191,18 +208,20 @@ where
         watch.phase("build");
         let room = MemoryLimit::least(watch.max_memory);
         let model = built(case, registry, dimension, watch, room)?;
-        let mut result = report::skeleton("check", case, &model);
+        let mut result = report::skeleton(command, case, &model);
         Questions::of(case, &model, &result.numbers())?;
         result.solve = None;
         let end = case.steps.value.last().copied().unwrap_or(1.0);
         result.loads = report::loads::<N>(model.system.contents().components(), &model.system.loads(end));
         let prediction = fitting(case, &model, room)?;
         result.predicted = Some(prediction);
+        if command == "run" {
+            result.model = model_words::of(case, &model, &result).lines().map(str::to_owned).collect();
+        }
         end_early(&mut result, watch);
         Ok(result)
     };
-    let result = outcome().unwrap_or_else(|faults| refused("check", case, faults));
-    Finished { result, output: None, steps: Vec::new(), stored: None }
+    outcome().unwrap_or_else(|faults| refused(command, case, faults))
 }
 
 /// Makes the output of a solution.

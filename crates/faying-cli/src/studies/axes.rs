@@ -22,7 +22,7 @@ pub struct Axes {
     pub pairings: Vec<String>,
     /// Their integrations.
     pub integrations: Vec<String>,
-    /// Their points beyond the default.
+    /// Extra Gauss points per segment.
     pub extra_points: Vec<usize>,
     /// Number of levels, at least 1; level k halves every element k times.
     pub levels: usize,

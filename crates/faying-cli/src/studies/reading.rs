@@ -2,7 +2,7 @@
 
 use super::picture::{Line, errors_in_order, lines_over_points, lines_over_values, others, points_of};
 use super::study::{Study, word};
-use crate::table::short;
+use crate::table::{decimals, short};
 
 /// Most sentences.
 const MOST: usize = 60;
@@ -86,7 +86,7 @@ pub fn reading(s: &Study) -> Vec<Sentence> {
         let code = first.code().map_or(String::new(), |code| format!(", {code}"));
         let what =
             format!("{} of {} could not be finished, the first one: {}{code}", failed.len(), rows(s.rows.len()), word(first.result.status));
-        found.push(Sentence { text: what + ". The others stand.", bad: true });
+        found.push(Sentence { text: what + ". The other rows are valid.", bad: true });
     }
     if s.stopped.is_some() {
         found.push(Sentence { text: format!("The study was stopped; {}.", s.left()), bad: true });
@@ -117,10 +117,15 @@ fn rates(s: &Study) -> Vec<Sentence> {
         let parts = asked.iter().filter_map(|(name, words, is_error)| {
             let rates: Vec<f64> = line.iter().filter_map(|k| s.rows[*k].rates.get(name)).copied().collect();
             let last = rates.last()?;
-            let shown: Vec<String> = rates.iter().rev().take(2).rev().map(|r| format!("{r:.2}")).collect();
-            let verb = if *is_error { "falls" } else { "changes from level to level by what falls" };
+            let shown: Vec<String> = rates.iter().rev().take(2).rev().map(|r| decimals(*r, 2)).collect();
             let listed = if shown.len() > 1 { format!("last rates {}", shown.join(", ")) } else { format!("rate {}", shown[0]) };
-            Some(format!("{words} {verb} like h^{last:.1} ({listed})"))
+            let rate = decimals(*last, 1);
+            Some(match (is_error, *last < 0.05) {
+                (true, true) => format!("{words} does not fall ({listed})"),
+                (true, false) => format!("{words} falls like h^{rate} ({listed})"),
+                (false, true) => format!("the differences of {words} between levels do not fall ({listed})"),
+                (false, false) => format!("the differences of {words} between levels fall like h^{rate} ({listed})"),
+            })
         });
         let parts: Vec<String> = parts.collect();
         let text = if parts.is_empty() { "no rate: it takes two levels with numbers".to_owned() } else { parts.join(", ") };

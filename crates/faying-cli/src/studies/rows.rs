@@ -118,7 +118,7 @@ pub struct Row {
     pub pairing: String,
     /// Their integration.
     pub integration: String,
-    /// Their points beyond the default.
+    /// Extra Gauss points per segment.
     pub extra_points: String,
     /// Observed rates of convergence from the level before, by quantity.
     pub rates: IndexMap<String, f64>,

@@ -158,7 +158,14 @@ fn text_of(value: &Value) -> Option<String> {
 
 fn probe(v: &Value) -> Option<ProbeReport> {
     let (name, quantity) = (text_of(&v["name"])?, text_of(&v["quantity"])?);
-    Some(ProbeReport { name, quantity, value: number(&v["value"]), at: place_of(&v["at"]), reason: text_of(&v["reason"]) })
+    Some(ProbeReport {
+        name,
+        quantity,
+        value: number(&v["value"]),
+        at: place_of(&v["at"]),
+        patch: text_of(&v["patch"]),
+        reason: text_of(&v["reason"]),
+    })
 }
 
 /// The place of an extreme.
@@ -213,6 +220,7 @@ mod tests {
             quantity: "energy".into(),
             value: f64::NAN,
             at: Some(vec![0.1, 1.0 / 3.0]),
+            patch: None,
             reason: None,
         });
         row.result.warnings.push(Diagnostic::warning("E061", "unstable").with_help("read").in_file("a.toml"));

@@ -3,9 +3,8 @@
 use super::quantities::Asked;
 use super::rows::Row;
 use super::study::{Study, Tolerance, word};
-use crate::infsup::hundredths;
 use crate::result::RunResult;
-use crate::table::{Table, short};
+use crate::table::{Table, decimals, short};
 use std::fmt::Write as _;
 
 /// Constants that differ by more than this are shown in both measures.
@@ -89,7 +88,7 @@ impl Study {
                 let value = r.errors.get(name).copied().filter(|_| row.solved());
                 cells.push(number(value.unwrap_or(f64::NAN), 4));
                 if levels {
-                    cells.push(row.rates.get(name).map_or("-".to_owned(), |rate| format!("{rate:.2}")));
+                    cells.push(row.rates.get(name).map_or("-".to_owned(), |rate| decimals(*rate, 2)));
                 }
             }
             cells.extend(quantities.iter().map(|a| number(a.value(row), 8)));
@@ -99,7 +98,7 @@ impl Study {
                     cells.push(number(row.parametric.unwrap_or(f64::NAN), 6));
                 }
                 if levels {
-                    cells.push(row.rates.get("beta").map_or("-".to_owned(), |rate| hundredths(*rate)));
+                    cells.push(row.rates.get("beta").map_or("-".to_owned(), |rate| decimals(*rate, 2)));
                 }
                 cells.push(text(row.verdict.as_deref().unwrap_or_default()));
             }

@@ -59,6 +59,11 @@ fn check(root: &Value, schema: &Value, value: &Value, path: &str, found: &mut Ve
                     wrong(format!("{value} breaks {word} {demand}"));
                 }
             }
+            "maxLength" => {
+                if value.as_str().is_some_and(|text| text.chars().count() as u64 > demand.as_u64().unwrap()) {
+                    wrong(format!("{value} is longer than {demand}"));
+                }
+            }
             "pattern" => {
                 if value.as_str().is_some_and(|text| !matches(text, demand.as_str().unwrap())) {
                     wrong(format!("{value} does not match {demand}"));

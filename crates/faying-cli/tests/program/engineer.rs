@@ -421,6 +421,7 @@ fn steps_write_numbered_fields_collections_and_a_history() {
         "interface_pad_0003.vtu",
         "log.txt",
         "manifest.json",
+        "report.html",
         "result.json",
     ];
     assert_eq!(names(&at), expected);

@@ -210,7 +210,7 @@ fn without_an_exact_solution_changes_have_rates() {
     assert!((rate - 4.0).abs() < 0.2, "{rate}");
     let out = at.path().join("a.convergence");
     assert!(file(&out, "study.svg").contains("change of energy from the level before"));
-    assert!(file(&out, "report.html").contains("energy changes from level to level by what falls like h^4.0"));
+    assert!(file(&out, "report.html").contains("the differences of energy between levels fall like h^4.0"));
 }
 
 #[test]

@@ -455,13 +455,22 @@ fn vtk_reads_the_curve_of_a_side_with_its_multiplier() {
 #[test]
 fn pictures_are_svg_documents_of_fixed_bytes() {
     let all = bodies();
-    let plot = plot::FieldPlot { title: "A ring & a <plate>", label: "von Mises", field: "von_mises", component: 0, range: None };
+    let plot = plot::FieldPlot {
+        title: "A ring & a <plate>",
+        label: "von Mises",
+        field: "von_mises",
+        component: 0,
+        range: None,
+        length: "",
+        moved: 0.0,
+        marks: &[],
+    };
     let parts = [part("ring", &all[1].1, CellStyle::Bezier), part("triangles", &all[9].1, CellStyle::Lagrange)];
     let svg = plot::fields(&plot, &parts).unwrap();
     assert_eq!(svg, plot::fields(&plot, &parts).unwrap());
     let mut reader = Reader::from_str(&svg);
     while !matches!(reader.read_event().expect("well-formed XML"), Event::Eof) {}
-    assert!(svg.contains("polygon") && svg.contains("A ring &amp; a"));
+    assert!(svg.contains("<path fill=") && svg.contains("A ring &amp; a"));
     let none = plot::FieldPlot { field: "pressure", ..plot };
     assert!(plot::fields(&none, &parts).unwrap_err().to_string().contains("has no field \"pressure\""));
 
@@ -473,7 +482,8 @@ fn pictures_are_svg_documents_of_fixed_bytes() {
         InterfaceRow { s: Some(1.2), ..InterfaceRow::default() },
     ];
     let exact = |x: &Vector<2>| -x[0];
-    let svg = plot::side(&plot::SidePlot { title: "pad", contact: true, rows: &rows, exact: Some(&exact) }, &side).unwrap();
+    let svg =
+        plot::side(&plot::SidePlot { title: "pad", contact: true, rows: &rows, exact: Some(&exact), units: ["", ""] }, &side).unwrap();
     let mut reader = Reader::from_str(&svg);
     while !matches!(reader.read_event().expect("well-formed XML"), Event::Eof) {}
     assert!(svg.contains("active function (1 of 2)") && svg.contains("exact"));
@@ -485,7 +495,16 @@ fn pictures_to_look_at_are_written_where_asked() {
     let Some(folder) = std::env::var_os("FAYING_PICTURES") else { return };
     let folder = std::path::Path::new(&folder);
     for (k, (name, space)) in bodies().iter().enumerate() {
-        let plot = plot::FieldPlot { title: name, label: "stress.xx", field: "stress", component: 0, range: None };
+        let plot = plot::FieldPlot {
+            title: name,
+            label: "stress.xx",
+            field: "stress",
+            component: 0,
+            range: None,
+            length: "",
+            moved: 0.0,
+            marks: &[],
+        };
         std::fs::write(folder.join(format!("fields_{k}.svg")), plot::fields(&plot, &[part(name, space, CellStyle::Bezier)]).unwrap())
             .unwrap();
     }
@@ -504,8 +523,16 @@ fn pictures_to_look_at_are_written_where_asked() {
     };
     let parts =
         [upper.space(), lower.space()].map(|space| Part::new("body", space.clone(), CellStyle::Bezier).with("von_mises", 1, peak(space)));
-    let plot =
-        plot::FieldPlot { title: "A half cylinder on a block", label: "von Mises stress", field: "von_mises", component: 0, range: None };
+    let plot = plot::FieldPlot {
+        title: "A half cylinder on a block",
+        label: "von Mises stress",
+        field: "von_mises",
+        component: 0,
+        range: None,
+        length: "",
+        moved: 0.0,
+        marks: &[],
+    };
     std::fs::write(folder.join("pair.svg"), plot::fields(&plot, &parts).unwrap()).unwrap();
     let trace = upper.trace("v1").unwrap();
     let space = trace.space.clone();
@@ -523,12 +550,17 @@ fn pictures_to_look_at_are_written_where_asked() {
             ..InterfaceRow::default()
         })
         .collect();
-    let picture =
-        plot::SidePlot { title: "A half cylinder on a block: pressure on pad", contact: true, rows: &rows, exact: Some(&pressure) };
+    let picture = plot::SidePlot {
+        title: "A half cylinder on a block: pressure on pad",
+        contact: true,
+        rows: &rows,
+        exact: Some(&pressure),
+        units: ["", ""],
+    };
     std::fs::write(folder.join("pressure.svg"), plot::side(&picture, &side).unwrap()).unwrap();
     let tied = Part::new("arc", trace.space.clone(), CellStyle::Lagrange)
         .with("lambda", 2, |e, xi: &[Vector<1>]| xi.iter().flat_map(|x| [(e as f64 + x[0]).sin(), (e as f64 * 0.5).cos()]).collect());
-    let picture = plot::SidePlot { title: "Multiplier", contact: false, rows: &rows, exact: None };
+    let picture = plot::SidePlot { title: "Multiplier", contact: false, rows: &rows, exact: None, units: ["", ""] };
     std::fs::write(folder.join("tied.svg"), plot::side(&picture, &tied).unwrap()).unwrap();
 }
 

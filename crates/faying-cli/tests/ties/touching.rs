@@ -282,6 +282,7 @@ fn a_small_clearance_is_warned_and_a_named_interface_ties_it_with_a_warning() {
     let near = try_run(Path::new("."), &rings(1, 0.0086, [24, 24])).expect_err("nothing touches");
     let warned = near.items.iter().find(|d| d.severity == Severity::Warning).expect("a warning");
     assert!(warned.message.contains("`a.v1`") && warned.message.contains("`b.v0`") && warned.message.contains("not tied"), "{near}");
+    assert!(warned.message.contains("on average") && warned.message.contains("faceting would explain"), "{near}");
     let named = rings(1, 0.0086, [24, 24]).replace("between = \"all\"", "slave = \"a.v1\"\nmaster = \"b.v0\"");
     let result = run(Path::new("."), &named);
     assert_eq!(apart(&result).len(), 1, "{:?}", result.warnings);

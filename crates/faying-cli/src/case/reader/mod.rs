@@ -8,7 +8,7 @@ mod sections;
 
 pub(in crate::case) use crate::case::key::Uses;
 pub(in crate::case) use block::Block;
-pub(in crate::case) use scalars::Sign;
+pub(in crate::case) use scalars::{LONGEST_NAME, Sign};
 
 use crate::case::family::{Family, FromFile};
 use crate::case::files::{FileRead, Opened};

@@ -8,6 +8,9 @@ use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
 use crate::place::{Located, SourceSpan};
 
+/// Longest name, in letters: files have it in their names.
+pub(in crate::case) const LONGEST_NAME: usize = 100;
+
 /// Signs that a number may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::case) enum Sign {
@@ -246,6 +249,13 @@ impl Reader {
                 // a bad name stays, so that references to it are found
                 if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-') {
                     self.fault("E016", node.at, format!("{:?} is no name", name.value), "names are made of letters, digits, `_` and `-`");
+                } else if name.len() > LONGEST_NAME {
+                    let (message, help) = (
+                        format!("a name of {} letters is too long", name.len()),
+                        format!("files have it in their names: take at most {LONGEST_NAME}"),
+                    );
+                    self.fault("E016", node.at, message, help);
+                    self.broken.insert(kind.to_owned());
                 }
                 name
             }

@@ -24,8 +24,9 @@ use common::later;
 pub(super) const ROOT: &[Key] = &[
     Key::of("schema", Special::Only("1", r#"{"const":1}"#), "version of the grammar of case files").default("1"),
     Key::new("title", KeyKind::Text, "heading of tables and pictures").default("\"\""),
-    later("units", Plain::Never, "\"mm\"", "numbers are in any one consistent system of units; say which in `title`"),
-    later("output", Plain::Never, "{}", "fields.vtu holds all fields, for pictures of another program"),
+    Key::of("units", Special::Block(UNITS), "labels of pictures and reports; numbers are never converted")
+        .optional("{ length = \"mm\", force = \"N\" }"),
+    Key::of("output", Special::Block(OUTPUT), "what pictures show").optional("{ deformed = 20 }"),
     Key::of("let", Special::Let, "constants for every formula").optional("{ F = 1e-4, a = \"sqrt(F)\" }"),
     Key::of("model", Special::Block(MODEL), "equation, dimension of space, exact solution")
         .required("{ physics = \"poisson\", dimension = 2 }"),
@@ -42,6 +43,23 @@ pub(super) const ROOT: &[Key] = &[
     later("line", Plain::Never, "[]", "write a [[probe]] for every point of the line"),
     Key::of("check", Special::Blocks(CHECK), "conditions that decide between exit 0 and 1").optional("[]"),
     Key::of("study", Special::BlockPer(STUDIES, STUDY), "defaults of studies, a table per command").optional("{}"),
+];
+
+/// Names of units.
+pub(super) const UNITS: &[Key] = &[
+    Key::new("length", KeyKind::Text, "unit of lengths, at most 12 letters").optional("\"mm\""),
+    Key::new("force", KeyKind::Text, "unit of forces, at most 12 letters").optional("\"N\""),
+];
+
+/// Contents of pictures.
+pub(super) const OUTPUT: &[Key] = &[
+    later("fields", Plain::Never, "[\"von_mises\"]", "fields.vtu holds all fields, for pictures of another program"),
+    Key::of(
+        "deformed",
+        Special::Only("\"auto\", a number from 0, or false", r#"{"anyOf":[{"enum":["auto",false]},{"type":"number","minimum":0}]}"#),
+        "factor of the displacements in fields.svg; auto: the largest one is about a twentieth of the bodies, in contact as it is",
+    )
+    .default("\"auto\""),
 ];
 
 /// Components of vectors.

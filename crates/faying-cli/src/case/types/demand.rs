@@ -66,7 +66,7 @@ pub struct StudyValues {
     pub pairings: Vec<String>,
     /// Integrations of interfaces and contacts.
     pub integration: Vec<String>,
-    /// Their points beyond the default.
+    /// Extra Gauss points per segment.
     pub extra_points: Vec<usize>,
     /// As words of the command line: `KEY=v1,v2`.
     pub vary: Vec<String>,

@@ -30,6 +30,40 @@ use crate::place::{Located, SourceSpan};
 /// The head of a block, for errors that concern it as a whole.
 pub type Head = Located<()>;
 
+/// Names of units, empty where none is given; numbers are never converted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Units {
+    /// That of lengths.
+    pub length: String,
+    /// That of forces.
+    pub force: String,
+}
+
+impl Units {
+    /// The unit of stresses and pressures; empty unless both others are known.
+    pub fn stress(&self) -> String {
+        if self.length.is_empty() || self.force.is_empty() { String::new() } else { format!("{}/{}²", self.force, self.length) }
+    }
+
+    /// "Lengths in mm, forces in N."; empty without names.
+    pub fn words(&self) -> String {
+        let list = [("lengths in ", &self.length), ("forces in ", &self.force)];
+        let given: Vec<String> = list.iter().filter(|(_, unit)| !unit.is_empty()).map(|(what, unit)| format!("{what}{unit}")).collect();
+        if given.is_empty() { String::new() } else { format!("Units: {}.", given.join(", ")) }
+    }
+}
+
+/// Factor of the displacements in the picture of the fields.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum Deformed {
+    /// The program chooses.
+    #[default]
+    Auto,
+    /// This factor; 0: the bodies at rest.
+    Factor(f64),
+}
+
 /// A whole case.
 #[derive(Clone, Debug)]
 pub struct Case {
@@ -41,6 +75,10 @@ pub struct Case {
     pub schema: Located<usize>,
     /// Title, empty by default.
     pub title: Located<String>,
+    /// `units`: names for pictures and reports.
+    pub units: Units,
+    /// `deformed` of `[output]`.
+    pub deformed: Deformed,
     /// Constants of `[let]`.
     pub constants: Constants,
     /// `[model]`.
@@ -99,6 +137,8 @@ impl PartialEq for Case {
     fn eq(&self, other: &Self) -> bool {
         self.schema == other.schema
             && self.title == other.title
+            && self.units == other.units
+            && self.deformed == other.deformed
             && self.constants == other.constants
             && self.model == other.model
             && self.discretization == other.discretization

@@ -4,7 +4,8 @@ mod panel;
 mod scale;
 mod triangle;
 
-use super::{BLUE_LINE, INK, PlotError, RED_LINE, Root, document, shortened, stroke, text, units};
+use super::{BLUE_LINE, INK, PlotError, RED_LINE, Root, document, heading, shortened, stroke, taller, text, units};
+use crate::table::decimals;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
@@ -91,11 +92,12 @@ pub fn study(plot: &StudyPlot<'_>) -> Result<String, PlotError> {
     let (across, down) = (ROOM[0] + w + ROOM[2], ROOM[1] + h + ROOM[3]);
     let width = if alone { across } else { 2.0 * across };
     let legend = |g: &StudyGroup| LEGEND * g.lines.len().min(MOST_LINES).div_ceil(columns(g.lines.len(), !alone)) as f64;
-    let height = 44.0 + groups.iter().map(|g| legend(g) + 10.0 + down * g.panels.len().div_ceil(2) as f64).sum::<f64>();
+    let room = width - ROOM[0] - 20.0;
+    let begin = 44.0 + taller(plot.title, room, 17.0);
+    let height = begin + groups.iter().map(|g| legend(g) + 10.0 + down * g.panels.len().div_ceil(2) as f64).sum::<f64>();
     document(width, height, |root| {
-        let at = (units(ROOM[0]), units(16.0));
-        root.draw(&Text::new(shortened(plot.title, width - ROOM[0] - 20.0, 17.0), at, text(17.0, INK, HPos::Left, VPos::Top)))?;
-        let mut top = 44.0;
+        heading(root, plot.title, [ROOM[0], 16.0], room, 17.0)?;
+        let mut top = begin;
         for group in &groups {
             draw_legend(root, group, top, width - ROOM[0] - ROOM[2], columns(group.lines.len(), !alone))?;
             top += legend(group) + 10.0;
@@ -119,7 +121,7 @@ fn draw_legend(root: &Root<'_, '_>, group: &StudyGroup, top: f64, width: f64, co
         let middle = units(top + LEGEND * (k % per_column) as f64 + 7.0);
         root.draw(&PathElement::new(vec![(units(left), middle), (units(left + 24.0), middle)], stroke(color(k), 2.0)))?;
         mark(root, k, (units(left + 12.0), middle))?;
-        let rate = line.rate.map_or(String::new(), |r| format!(": rate {r:.2} in h"));
+        let rate = line.rate.map_or(String::new(), |r| format!(": rate {} in h", decimals(r, 2)));
         let words = shortened(&format!("{}{rate}", line.name), wide - 40.0, 12.0);
         root.draw(&Text::new(words, (units(left + 32.0), middle), text(12.0, INK, HPos::Left, VPos::Center)))?;
     }

@@ -1,7 +1,6 @@
 //! Axes of a panel: positions of values between the ends, and ticks with labels.
 
-use crate::plot::ticks;
-use crate::table::short;
+use crate::plot::{labels, ticks};
 
 /// The scale of an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -66,8 +65,8 @@ impl<'a> Scale<'a> {
     /// Ticks: values with their labels.
     pub fn marks(&self) -> Vec<(f64, String)> {
         match self.axis {
-            Axis::Log => logarithmic([self.lo, self.hi]).into_iter().map(|v| (v, short(v, 3))).collect(),
-            Axis::Linear => ticks(self.lo, self.hi, 6).into_iter().map(|v| (v, short(v, 6))).collect(),
+            Axis::Log => labelled(logarithmic([self.lo, self.hi]), 3),
+            Axis::Linear => labelled(ticks(self.lo, self.hi, 6), 6),
             Axis::Places(words) => {
                 // at most 12, so that labels do not overlap
                 let every = words.len().div_ceil(12).max(1);
@@ -77,16 +76,25 @@ impl<'a> Scale<'a> {
     }
 }
 
-/// Round numbers between 10^lo and 10^hi: powers of ten, few enough; with 2 and 5 below two decades, evenly spaced ones if that
-/// leaves less than two.
+/// Values with labels that differ.
+fn labelled(values: Vec<f64>, digits: usize) -> Vec<(f64, String)> {
+    let words = labels(&values, digits);
+    values.into_iter().zip(words).collect()
+}
+
+/// Round numbers between 10^lo and 10^hi, at least three: powers of ten, few enough; with 2 and 5 below two decades and where powers
+/// alone are too few; evenly spaced ones where these are.
 fn logarithmic([lo, hi]: [f64; 2]) -> Vec<f64> {
     let (first, last) = (lo.floor() as i32, hi.ceil() as i32);
     let decades = hi - lo;
     let every = ((decades / 8.0).ceil() as i32).max(1);
-    let steps: &[f64] = if decades < 2.0 { &[1.0, 2.0, 5.0] } else { &[1.0] };
-    let all = (first..=last).filter(|d| d.rem_euclid(every) == 0).flat_map(|d| steps.iter().map(move |m| m * 10f64.powi(d)));
-    let found: Vec<f64> = all.filter(|v| (lo..=hi).contains(&v.log10())).collect();
-    if found.len() > 1 { found } else { ticks(10f64.powf(lo), 10f64.powf(hi), 4) }
+    let of = |steps: &[f64]| -> Vec<f64> {
+        let all = (first..=last).filter(|d| d.rem_euclid(every) == 0).flat_map(|d| steps.iter().map(move |m| m * 10f64.powi(d)));
+        all.filter(|v| (lo..=hi).contains(&v.log10())).collect()
+    };
+    let finer = [if decades < 2.0 { 3 } else { 1 }, 3].map(|n| of(&[1.0, 2.0, 5.0][..n]));
+    let found = finer.into_iter().find(|found| found.len() > 2);
+    found.unwrap_or_else(|| ticks(10f64.powf(lo), 10f64.powf(hi), 4))
 }
 
 #[cfg(test)]
@@ -99,7 +107,8 @@ mod tests {
         assert_eq!(logarithmic([0.0, 3.0]), [1.0, 10.0, 100.0, 1000.0]);
         assert_eq!(logarithmic([-0.1, 1.1]), [1.0, 2.0, 5.0, 10.0]);
         assert!(logarithmic([-17.0, 3.0]).len() <= 9);
-        assert!(logarithmic([0.41, 0.6]).len() > 1);
+        assert!(logarithmic([0.41, 0.6]).len() > 2);
+        assert_eq!(logarithmic([0.1, 2.6]), [2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0]);
     }
 
     #[test]

@@ -58,9 +58,9 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
             let foundation = || [&case.model.foundation, &case.patches[of.number].foundation].into_iter().flatten().flatten().next();
             let held_by = springs.or_else(|| foundation().map(|f| f.at));
             let text = format!(
-                "body \"{name}\" is hardly held: springs hold its {} with {} of its own stiffness; rounding is that much larger there",
+                "body \"{name}\" is held in {} only by springs {} as stiff as the body: round-off grows accordingly",
                 motions.join(", "),
-                short(*share)
+                crate::table::short(*share, 2)
             );
             let help = "fix the motion, or make the springs stiffer where they stand for a support";
             ("E051", text, held_by.unwrap_or(block(of.number)), help.into())

@@ -29,7 +29,7 @@ pub fn diagnostic(case: &Case, warning: &Warning) -> Option<Diagnostic> {
             let (kind, rule) =
                 if is_contact { ("contact", &case.contacts[of.number].integration) } else { ("interface", &tie()?.integration) };
             let text = format!(
-                "the integration of {kind} \"{name}\" is inexact: its consistency error is {} % of what it integrates, forces may be off by as much",
+                "the integration of {kind} \"{name}\" is inexact: its consistency error is {0} %; the force and the multiplier of \"{name}\" may be off by {0} %",
                 percent(*error)
             );
             let help = match rule.value.as_str() {
@@ -101,7 +101,7 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
                 (text, "raise `factor` (or what the method has in its place), or write method = \"lagrange\" or \"augmented\"")
             } else {
                 let text = format!(
-                    "the penalty of interface \"{name}\" is soft: its sides come apart by {depth} in the mean, {share} % of {of_what}, {whole}"
+                    "the penalty of interface \"{name}\" is soft: its sides come apart by {depth} on average, {share} % of {of_what}, {whole}"
                 );
                 (text, "raise `factor`, or write coupling = \"mortar\"")
             };

@@ -43,7 +43,8 @@ fn files_show_lambda_gap_traction_and_normal_of_the_side() {
         assert!(text.starts_with("s,x,y,z,lambda.x,lambda.y,lambda.z,gap,active\n,"), "{text}");
         assert!(!side.part.vtu().unwrap().is_empty());
         let shown: plot::Shown = |lambda| lambda.iter().map(|l| l * l).sum::<f64>().sqrt();
-        let picture = FieldPlot { title: "seam", label: "|lambda|", field: "lambda", component: 0, range: None };
+        let picture =
+            FieldPlot { title: "seam", label: "|lambda|", field: "lambda", component: 0, range: None, length: "", moved: 0.0, marks: &[] };
         assert!(plot::surface(&picture, shown, part).unwrap().contains("|lambda|"));
     }
 }
