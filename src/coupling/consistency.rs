@@ -11,12 +11,20 @@
 //! Strang's lemma, in lumped norms (|W^-1/2 r| is the norm of a functional r on multipliers, |M_s^1/2 u| that of u on the
 //! slave side). e is free of units, zero up to round-off where the integration is exact, and falls with its points. Rows that are not
 //! closed hold no constraint: of contacts the first part takes the closed rows alone, and the u of the functions that they weigh.
-//! An estimate: F is exact only up to its own quadrature. Source of the splitting: Brivadis, Buffa, Wohlmuth, Wunderlich,
+//! An estimate: F is exact only up to its own quadrature. Couplings without rows add a stiffness K, on the finer integration K_F; their
+//! forces on the functions of the sides are K u, and
+//!
+//! ```text
+//! e = |M^-1/2 (K - K_F) u| / |M_s^-1/2 K u|,
+//! ```
+//!
+//! the second part with the lumped norm of the forces on the slave in place of that of lambda, which it is at most. Source of the splitting: Brivadis, Buffa, Wohlmuth, Wunderlich,
 //! *The influence of quadrature errors on isogeometric mortar methods* (2015).
 
+use super::nitsche::summed;
 use super::{Coupling, CouplingError, Interface, Mortar, Rows, Segments, Side};
 use crate::basis::{Basis, Order, ShapeTable};
-use crate::linalg::{Real, Triplets, Vector};
+use crate::linalg::{Real, Triplets, Vector, lit};
 
 /// Finer mortar rows of one slave side, and the weights of the norms. As expensive as assembling the rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,21 +54,9 @@ impl<T: Real> ConsistencyEstimate<T> {
                 all.rows.master.append_below(&rows.master, 0);
                 all.multiplier.iter_mut().zip(weights).for_each(|(sum, w)| *sum += w);
             }
-            let s = interface.segments;
-            all.unknowns.extend(unknown_weights(&interface.slave, s, &s.slave, &s.slave_xi, true));
-            if let Some(master) = &interface.master {
-                all.unknowns.extend(unknown_weights(master, s, &s.master, &s.master_xi, false));
-            }
+            all.unknowns.extend(weights_of_sides(interface));
         }
-        all.unknowns.sort_by_key(|&(unknown, _, _)| unknown);
-        all.unknowns.dedup_by(|next, kept| {
-            let same = next.0 == kept.0;
-            if same {
-                kept.1 += next.1;
-                kept.2 |= next.2;
-            }
-            same
-        });
+        all.unknowns = joined(all.unknowns);
         Ok(all)
     }
 
@@ -100,6 +96,83 @@ impl<T: Real> ConsistencyEstimate<T> {
         let share = |defect: T, size: T| if size > zero { defect / size } else { zero };
         share(gap, u).max(share(force, lambda))
     }
+}
+
+/// Defect of the stiffness that a coupling without rows adds, against that of a finer integration, in the rows of the functions of both
+/// sides. As expensive as assembling the stiffness.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StiffnessEstimate<T: Real = f64> {
+    /// Entries of K - K_F.
+    defect: Vec<(usize, usize, T)>,
+    /// M of the unknowns of both sides, and whether the slave has them; ascending.
+    unknowns: Vec<(usize, T, bool)>,
+}
+
+/// Entries of K - K_F below this share of the largest one of K are rounding.
+const ROUNDING: f64 = 1e-13;
+
+impl<T: Real> StiffnessEstimate<T> {
+    /// Assembles the finer stiffness from the interfaces of one slave side with all its masters, each with finer segments; `own`: K.
+    ///
+    /// # Errors
+    /// [`CouplingError`] of the coupling.
+    pub fn try_new<const S: usize, const N: usize>(
+        coupling: &dyn Coupling<S, N, T>,
+        own: &Triplets<T>,
+        interfaces: &[Interface<'_, S, N, T>],
+    ) -> Result<Self, CouplingError> {
+        let unknowns = joined(interfaces.iter().flat_map(weights_of_sides).collect());
+        let mut defect = own.entries.clone();
+        for interface in interfaces {
+            let finer = coupling.assemble(interface, own.cols)?.stiffness;
+            defect.extend(finer.entries.into_iter().map(|(i, j, v)| (i, j, -v)));
+        }
+        let rounding = own.entries.iter().fold(T::zero(), |m, e| m.max(e.2.abs())) * lit(ROUNDING);
+        defect.retain(|e| unknowns.binary_search_by_key(&e.0, |w| w.0).is_ok());
+        let mut defect = summed(defect);
+        defect.retain(|e| e.2.abs() > rounding);
+        Ok(Self { defect, unknowns })
+    }
+
+    /// Returns the consistency error e (module docs) of the stiffness `own` on a solution u; zero without forces.
+    pub fn estimate(&self, own: &Triplets<T>, u: &[T]) -> T {
+        let norm = |entries: &[(usize, usize, T)], of_slave: bool| {
+            let mut forces = vec![T::zero(); self.unknowns.len()];
+            for &(i, j, v) in entries {
+                if let Ok(k) = self.unknowns.binary_search_by_key(&i, |w| w.0) {
+                    forces[k] += v * u[j];
+                }
+            }
+            let counted = forces.iter().zip(&self.unknowns).filter(|(_, w)| w.2 || !of_slave);
+            counted.fold(T::zero(), |sum, (f, w)| sum + *f * *f / w.1).sqrt()
+        };
+        let (missed, whole) = (norm(&self.defect, false), norm(&own.entries, true));
+        if whole > T::zero() { missed / whole } else { T::zero() }
+    }
+}
+
+/// The weights M of the unknowns of both sides of an interface.
+fn weights_of_sides<const S: usize, const N: usize, T: Real>(interface: &Interface<'_, S, N, T>) -> Vec<(usize, T, bool)> {
+    let s = interface.segments;
+    let mut weights = unknown_weights(&interface.slave, s, &s.slave, &s.slave_xi, true);
+    if let Some(master) = &interface.master {
+        weights.extend(unknown_weights(master, s, &s.master, &s.master_xi, false));
+    }
+    weights
+}
+
+/// Sums the weights of equal unknowns, ascending.
+fn joined<T: Real>(mut weights: Vec<(usize, T, bool)>) -> Vec<(usize, T, bool)> {
+    weights.sort_by_key(|&(unknown, _, _)| unknown);
+    weights.dedup_by(|next, kept| {
+        let same = next.0 == kept.0;
+        if same {
+            kept.1 += next.1;
+            kept.2 |= next.2;
+        }
+        same
+    });
+    weights
 }
 
 /// ∫ |ψ_j| ds per row.

@@ -5,11 +5,12 @@ use super::state::StepState;
 use crate::contact::ContactRows;
 
 impl<const S: usize, const N: usize> TieModel<S, N> {
-    /// The largest [consistency error](crate::coupling::consistency) of its slave sides; zero where the rows are not mortar rows.
+    /// The largest [consistency error](crate::coupling::consistency) of its slave sides; zero where its rows are no mortar rows.
     pub fn consistency(&self, state: &StepState<S, N>) -> f64 {
         let of = |part: &TiePart<S, N>| {
             let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
-            part.finer.as_ref().map(|f| f.estimate(&part.rows, part.reaction.as_ref(), None, &state.u, lambda))
+            let of_rows = part.finer.as_ref().map(|f| f.estimate(&part.rows, part.reaction.as_ref(), None, &state.u, lambda));
+            of_rows.or_else(|| Some(part.finer_stiffness.as_ref()?.estimate(&part.stiffness, &state.u)))
         };
         self.parts.iter().filter_map(of).fold(0.0, f64::max)
     }

@@ -30,7 +30,7 @@ pub struct TieResult {
     pub area: f64,
     /// Largest distance of tied points at rest \[length\].
     pub distance: f64,
-    /// The largest [consistency error](crate::coupling::consistency) of the slave sides; zero where the rows are not mortar rows.
+    /// The largest [consistency error](crate::coupling::consistency) of the slave sides; zero where its rows are no mortar rows.
     pub consistency: f64,
     /// Sum of the forces on both sides over the sum of their magnitudes: round-off unless the integration is mixed.
     pub balance: f64,
@@ -45,7 +45,7 @@ pub struct ContactResult<const N: usize> {
     pub force: Vector<N>,
     /// Moment of it about the origin, about x, y, z [force length].
     pub moment: [f64; 3],
-    /// Area of the slave side under pressure.
+    /// Area of the slave side under pressure, of more than rounding.
     pub area: f64,
     /// Least pressure at a point of integration [force/area]; inf where nothing is faced.
     pub least_pressure: f64,
@@ -183,9 +183,14 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             balance: 0.0,
         };
         let (mut zones, mut balance) = (Vec::new(), CouplingBalance::default());
+        let rounding = self.rounding_pressure(model, state);
         for (part, rows) in self.parts.iter().zip(built) {
             let lambda = &state.lambda[part.rows()];
-            let sent = part.transmitted(rows, lambda);
+            let mut sent = part.transmitted(rows, lambda);
+            if sent.largest_pressure <= rounding {
+                sent.area = 0.0;
+                sent.closed.fill(false);
+            }
             sum.force += sent.force;
             (0..3).for_each(|k| sum.moment[k] += sent.moment[k]);
             sum.area += sent.area;

@@ -82,6 +82,7 @@ mod rigid;
 mod rigid_bodies;
 mod rigid_motions;
 mod rigid_rows;
+mod round_off;
 mod row_names;
 mod said;
 mod seam_edges;
@@ -108,6 +109,7 @@ mod tie_part;
 mod ties_and_contacts;
 pub mod touching;
 mod touching_bodies;
+mod uncovered;
 mod warnings;
 
 pub use assembled::System;

@@ -2,6 +2,7 @@
 
 use super::model::{BodySide, Model, TiePart};
 use crate::basis::Basis;
+use crate::coupling::consistency::StiffnessEstimate;
 use crate::coupling::{Coupling, CouplingBlocks, CouplingError, Interface, Segments, Side};
 use crate::linalg::{Csr, Triplets};
 use crate::physics::Flux;
@@ -57,6 +58,12 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
     ) -> Result<CouplingBlocks, CouplingError> {
         let multiplier: Vec<&dyn Basis<S>> = self.multipliers.iter().map(|m| &**m).collect();
         coupling.assemble(&self.interface(model, k, fluxes, &multiplier, None), model.unknowns)
+    }
+
+    /// Estimate of the consistency error of a coupling without rows, on `finer` segments, one list per master; `None` where it has none there.
+    pub(super) fn finer_stiffness(&self, model: &Model<S, N>, fluxes: &Fluxes<S, N>, finer: &[Segments<S>]) -> Option<StiffnessEstimate> {
+        let interfaces: Vec<_> = finer.iter().enumerate().map(|(k, list)| self.interface(model, k, fluxes, &[], Some(list))).collect();
+        StiffnessEstimate::try_new(&*self.coupling, &self.stiffness, &interfaces).ok()
     }
 
     /// lambda at points of `segments` (those of the tie where none are given) against master `k`, where there is no multiplier:

@@ -8,6 +8,7 @@ use super::model::{BodySide, Model, Pairing, TiePart};
 use super::multipliers::{unstable_pairing, wrapped};
 use super::rigid_rows::function_sums;
 use super::system::{append, empty};
+use super::uncovered::UNCOVERED;
 use crate::basis::{Basis, Elements};
 use crate::coupling::consistency::ConsistencyEstimate;
 use crate::coupling::interface::{Partners, Tolerance};
@@ -18,8 +19,6 @@ use crate::space::Trace;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
-/// Largest share of a slave side that may be uncovered.
-const UNCOVERED: f64 = 1e-6;
 /// Points per segment of the finer rule beyond those of the rule whose consistency error it estimates.
 const FINER_POINTS: usize = 2;
 
@@ -116,7 +115,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }
         let total = pairings.first().map_or(0.0, |p| p.segments.report.slave_measure);
         let covered: f64 = pairings.iter().map(|p| p.segments.report.covered).sum();
-        if covered < (1.0 - UNCOVERED) * total {
+        if covered < (1.0 - UNCOVERED) * total && !self.facets_explain(slave, &pairings) {
             return Err(InterfaceError::Uncovered { share: covered / total });
         }
         let mut part = TiePart {
@@ -131,6 +130,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             stiffness: Triplets::new(self.unknowns, self.unknowns),
             penalty: None,
             finer: None,
+            finer_stiffness: None,
             first_row: self.rows,
             num_rows: 0,
         };
@@ -151,6 +151,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         if coupling.rows_are_mortar() {
             part.function_sums = function_sums(self, &part);
             part.finer = if finer.len() == part.pairings.len() { self.finer_tie(&part, &finer) } else { None };
+        } else if !coupling.has_rows() && finer.len() == part.pairings.len() {
+            part.finer_stiffness = part.finer_stiffness(self, &fluxes, &finer);
         }
         part.num_rows = part.multipliers.iter().map(|m| m.num_functions()).sum();
         Ok(part)

@@ -53,6 +53,54 @@ fn a_flat_slave_above_a_sphere_has_the_columns_of_its_closest_points() {
     }
 }
 
+/// Points are paired up to 60 degrees between the normals: the corners of a plane on a sphere of radius 1 are 58 degrees off, those of a
+/// piece of a sphere over a plane 54.
+#[test]
+fn slanted_elements_that_are_opposed_are_tiled() {
+    for kinds in [[false, false], [false, true], [true, false], [true, true]] {
+        for (n, gap) in [([3, 3], 0.0), ([5, 4], 0.1), ([9, 8], 0.0)] {
+            for outward in [None, Some(1.0)] {
+                let with = |mut patch: Patch, sign: f64| {
+                    patch.outward = outward.map(|o| o * sign);
+                    patch
+                };
+                let plane = |width: f64, n, kind| Patch::grid(Shape::Plane, n, kind, |a, b| [width * (a - 0.5), width * (b - 0.5)]);
+                let half = 1.15 * (1.0 + gap);
+                let above = with(plane(2.0 * half, n, kinds[0]).moved(0.0, [0.0, 0.0, 1.0 + gap]), -1.0);
+                let ball = with(Patch::grid(Shape::Sphere(1.0, 2.7), [9, 10], kinds[1], |a, b| [a, b]), 1.0);
+                let dome = with(Patch::grid(Shape::Sphere(1.0, 1.4), n, kinds[0], |a, b| [a, b]), 1.0);
+                let sheet = with(plane(4.0, [6, 5], kinds[1]).moved(0.0, [0.0, 0.0, 1.0 + gap]), -1.0);
+                for (slave, master) in [(&above, &ball), (&dome, &sheet)] {
+                    let found = measured(&facing(6), [slave, master], 1, &|_| 1.0).unwrap();
+                    let what = format!("{:?} {kinds:?} {n:?} {gap} {outward:?}: {found:?}", slave.shape);
+                    assert!(found.open == 0 && found.tiling < 1e-11 && found.outside < 1e-6, "{what}");
+                    let farthest = match slave.shape {
+                        Shape::Plane => (2.0 * half * half + (1.0 + gap).powi(2)).sqrt() - 1.0,
+                        _ => 1.0 + gap - 0.7f64.cos().powi(2),
+                    };
+                    assert!(found.distance < farthest + 1e-12 && found.distance > 0.9 * farthest, "{farthest} {what}");
+                }
+            }
+        }
+    }
+}
+
+/// Above a ridge between a flat face and one that is 65 degrees off, the half of the fan that belongs to the steep face finds no partner that
+/// opposes it, though the ridge is the closest point there: what is not covered is told.
+#[test]
+fn a_part_of_a_fan_without_a_partner_is_told() {
+    let slope = 65f64.to_radians().tan();
+    let mut slave = Patch::grid(Shape::Plane, [4, 3], false, |a, b| [0.2 + 0.8 * a, 0.3 + 0.4 * b]).moved(0.0, [0.0, 0.0, 0.4]);
+    let mut master = lifted(&|p: [f64; 2]| -slope * (p[0] - 0.5).max(0.0));
+    (slave.outward, master.outward) = (Some(-1.0), Some(1.0));
+    let report = facing(4).segments(&slave, &master).unwrap().report;
+    // the fan is halved by its bisector
+    let covered = 0.4 * (0.3 + 0.4 * 32.5f64.to_radians().tan());
+    assert!((report.covered - covered).abs() < 1e-12, "{covered} {report:?}");
+    let open: Vec<usize> = (0..12).filter(|&e| report.share[e] < 1.0 - 1e-9).collect();
+    assert_eq!((open.len(), &open), (6, &report.lost), "{report:?}");
+}
+
 #[test]
 fn the_fan_of_a_kink_is_halved_and_tiles_the_slave() {
     for height in [0.2, -0.2] {

@@ -8,7 +8,7 @@ use faying::problem::{BodyId, Derivatives, Exact, Point, Problem, Solution, TieI
 
 /// u = G x.
 #[derive(Clone, Copy, Debug)]
-struct Linear(Matrix<3, 3>);
+pub struct Linear(pub Matrix<3, 3>);
 
 impl Exact for Linear {
     fn value(&self, component: usize, at: &Point) -> f64 {

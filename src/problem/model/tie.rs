@@ -2,7 +2,7 @@
 
 use super::BodySide;
 use crate::basis::Basis;
-use crate::coupling::consistency::ConsistencyEstimate;
+use crate::coupling::consistency::{ConsistencyEstimate, StiffnessEstimate};
 use crate::coupling::{Coupling, Rows, Segments};
 use crate::linalg::Triplets;
 use crate::problem::data::Data;
@@ -46,6 +46,8 @@ pub struct TiePart<const S: usize, const N: usize> {
     pub penalty: Option<f64>,
     /// Rows of a finer integration, for the consistency error; `None` if the rows are not mortar rows.
     pub finer: Option<ConsistencyEstimate>,
+    /// Defect of the stiffness against a finer integration, of couplings without rows.
+    pub finer_stiffness: Option<StiffnessEstimate>,
     /// First row in the system.
     pub first_row: usize,
     /// Number of rows.

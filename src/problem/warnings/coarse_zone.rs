@@ -1,7 +1,7 @@
 //! Zones that too few functions of the slave carry for their force and extent to be right.
 //!
 //! The end of a zone lies anywhere within an element, the end of its functions does not: with n functions across it, force and width are off
-//! by about 1/n of themselves. Points in the opponent while no function is closed are a zone that was missed. Zones that are all of what faces the opponent end with the side and are not looked at.
+//! by about 1/n of themselves. Functions whose pressure is rounding carry nothing. Points in the opponent while no function is closed are a zone that was missed. Zones that are all of what faces the opponent end with the side and are not looked at.
 
 use super::warning::{Subject, Warning};
 use crate::problem::closed_points::zone_functions;
@@ -24,6 +24,9 @@ pub(super) fn coarse_zones<const S: usize, const N: usize>(model: &Model<S, N>, 
             let (own, all) = zone_functions(part, rows, &|row| state.active[row]);
             closed += own;
             facing += all;
+        }
+        if closed > 0 && !contact.presses(model, built, state) {
+            closed = 0;
         }
         // half a model of the plane has half of the zone; in space a few functions more decide about the pressure
         let least = FEWEST.pow(S as u32) / if contact.symmetry && S == 1 { 2 } else { 1 };

@@ -51,6 +51,9 @@ impl Display for Warning {
             Self::PatchTest { of, element, missed, .. } => {
                 write!(f, "the Gauss points of {of} miss {} of the stress of linear fields on element {element}", percent(*missed))
             }
+            Self::PartUncovered { of, slave, share } => {
+                write!(f, "{} of {slave} meets no master of {of}: facets end beside each other, and nothing ties it", percent(*share))
+            }
             Self::Facets { of, sag, gap } => {
                 write!(f, "{of}: facets leave the surface that they stand for by {}, of a mean gap of {}", digits(*sag), digits(*gap))
             }

@@ -27,6 +27,9 @@ const LARGEST: f64 = 0.15;
 pub(super) fn gap_pressures<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
     let mut found = Vec::new();
     for (k, (contact, built)) in model.contacts.iter().zip(&state.contacts).enumerate() {
+        if !contact.presses(model, built, state) {
+            continue;
+        }
         let largest = contact.parts.iter().flat_map(|part| &state.lambda[part.rows()]).fold(0.0_f64, |m, l| m.max(-l));
         let mut worst: Option<(f64, f64, f64, Vec<f64>)> = None;
         for (part, rows) in contact.parts.iter().zip(built).filter(|_| contact.method.needs().fluxes) {

@@ -7,6 +7,7 @@
 //! | `too_few_functions` | multipliers hold less than their points |
 //! | `thin_cells` | digits, in cells that are thinner than 1e-8 of their length |
 //! | `patch_test` | stresses, in coarse cells of rational maps that their Gauss points do not integrate |
+//! | `part_uncovered` | parts of tied sides that meet no master, as far as facets explain it |
 //! | `facets` | gaps of sides that nearly fit, where facets leave their surface by as much |
 //! | `hardly_held` | motions that only soft springs hold |
 //! | `flux_jumps` | errors against a piecewise exact solution whose flux jumps: its source is not that of the data |
@@ -16,7 +17,7 @@
 //! | `rounding` | digits, where the condition number is large: moduli of high contrast |
 //! | `coarse_zone` | forces and extents of zones that few functions of the slave carry |
 //! | `lost_moment` | moments that ties across a gap lose |
-//! | `lost_parts` | parts of slave elements that no piece of integration covers though they face the opponent |
+//! | `lost_parts` | parts of slave elements that no piece of integration covers though they face the opponent and may be pressed |
 //! | `soft_penalty` | places of bodies that a soft penalty lets sink into each other |
 //! | `gap_pressure` | pressures at points that come from gaps, or from waves of facets, and not from the stress of the bodies |
 //! | `kinematics` | all, where bodies deform too far for small kinematics |
@@ -37,6 +38,7 @@ mod lost_moment;
 mod lost_parts;
 mod meant;
 mod overlap;
+mod part_uncovered;
 mod patch_test;
 mod rounding;
 mod sliding;
@@ -66,6 +68,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let first = times.first().copied().unwrap_or(1.0);
         let mut found = thin_cells::thin_cells(self);
         found.extend(patch_test::patch_test(self));
+        found.extend(part_uncovered::parts_uncovered(self));
         found.extend(facets::facets(self, first));
         found.extend(hardly_held::hardly_held(self, first));
         found.extend(flux_jumps::flux_jumps(self, first));
@@ -81,7 +84,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(rounding::rounding(self, state));
         found.extend(coarse_zone::coarse_zones(self, state));
         found.extend(lost_moment::lost_moments(self, state));
-        found.extend(lost_parts::lost_parts(self));
+        found.extend(lost_parts::lost_parts(self, state));
         found.extend(soft_penalty::soft_penalties(self, state));
         found.extend(gap_pressure::gap_pressures(self, state));
         found.extend(kinematics::kinematics(self, state));

@@ -124,6 +124,15 @@ pub enum Warning {
         /// The least number of more points per direction with which the defect is below 1e-4, and the defect then.
         enough: Option<(usize, f64)>,
     },
+    /// A part of a tied slave side meets no master: facets that stand for one surface end beside each other. Nothing ties it.
+    PartUncovered {
+        /// The tie.
+        of: Subject,
+        /// Label of the slave side.
+        slave: String,
+        /// The share of the slave side that is not tied.
+        share: f64,
+    },
     /// Facets of sides that nearly fit leave the surface that they stand for by h > 0.1 mean |g|, where max |g| < 10 h: facets decide what
     /// touches.
     Facets {
@@ -198,8 +207,8 @@ pub enum Warning {
         /// The least number without a warning.
         least: usize,
     },
-    /// Slave elements of a contact of which the pieces of integration cover not all, or a part twice, though the opponent faces all of them:
-    /// kinked facets across gaps. What is lost carries no pressure.
+    /// Slave elements of a contact of which the pieces of integration cover not all, or a part twice, though the opponent faces all of them,
+    /// and their gap is not beyond what the largest displacements close: kinked facets across gaps. What is lost carries no pressure.
     LostParts {
         /// The contact.
         of: Subject,
@@ -276,6 +285,7 @@ impl Warning {
             | Self::TooFewFunctions { of, .. }
             | Self::ThinCells { of, .. }
             | Self::PatchTest { of, .. }
+            | Self::PartUncovered { of, .. }
             | Self::Facets { of, .. }
             | Self::HardlyHeld { of, .. }
             | Self::FluxJump { of, .. }

@@ -174,7 +174,7 @@ fn solve(c: &Combination) -> Result<Found, Vec<&'static str>> {
     let v: Vec<f64> = result.probes.iter().map(|p| p.value).collect();
     let at = |k: usize| (v[3 + k] - exact(PROBES[k])).abs();
     let i = result.interface.get("i").unwrap();
-    // only mortar rows are estimated: other couplings take the integrals of the same rule from them
+    // one measure for all couplings: that of mortar rows with the integrals of the same rule
     let consistency = match (coupling, integration) {
         (_, "merged") => 0.0,
         ("mortar", _) => i.consistency,

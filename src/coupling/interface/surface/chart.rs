@@ -8,7 +8,8 @@
 //!
 //! plus (JᵀGJ)⁻¹ JᵀG r, the linear step that the cell holds back. Inside, r is parallel to n: x is seen along the master's normal. The
 //! share s falls from 1 to 0 where n is far from the facet's normal, so that the chart tends to the closest point and is defined
-//! everywhere. The differences are taken as written: rᵀr - s (n·r)² would lose half the digits across a gap. Nothing is evaluated
+//! everywhere. It is 1 wherever a point of the facet may be opposed, within 60 degrees, unless the facet itself turns by more than 18
+//! degrees: images along normals and closest points differ so much there that the chart folds where s falls. The differences are taken as written: rᵀr - s (n·r)² would lose half the digits across a gap. Nothing is evaluated
 //! outside of the cell.
 
 use super::facets::Facets;
@@ -21,8 +22,11 @@ use crate::linalg::{Matrix, Vector, inverse};
 const STEPS: usize = 40;
 /// A step after which the next one is below rounding.
 const SQUARED: f64 = 1e-9;
-/// Cosines between the master's and the facet's normal at which s is 0, and the range over which it rises to 1.
-const BLEND: [f64; 2] = [0.35, 0.3];
+/// Angles between the master's normal and that of a flat facet up to which s is 1, and from which on it is 0 \[degrees\]; they decrease by
+/// the largest turn of the facet's normals.
+const FLAT: [f64; 2] = [78.5, 87.0];
+/// The least of these angles, of facets that turn much.
+const TURNING: [f64; 2] = [49.5, 69.5];
 
 /// The chart of one facet, with its work arrays.
 pub(super) struct Chart<'a> {
@@ -36,6 +40,8 @@ pub(super) struct Chart<'a> {
     x: Vector<3>,
     jacobian: Matrix<3, 2>,
     normal: Vector<3>,
+    /// Cosines between the master's and the facet's normal at which s is 0, and from which on it is 1.
+    blend: [f64; 2],
     /// Linearised coordinates this far outside are not improved.
     far: f64,
     done: f64,
@@ -59,6 +65,7 @@ impl<'a> Chart<'a> {
         let (polygon, x, jacobian) = (own.polygon, own.x, own.jacobian);
         let center = polygon.center();
         let scale = 1.0 + x.norm() / own.size;
+        let [whole, none] = [0, 1].map(|k| (FLAT[k] - own.cone.to_degrees()).max(TURNING[k]).to_radians().cos());
         Self {
             facets,
             facet,
@@ -69,6 +76,7 @@ impl<'a> Chart<'a> {
             x,
             jacobian,
             normal: own.normal,
+            blend: [none, whole],
             far: 1.0 + 3.0 * own.bend,
             done: 4e-16 * scale,
             is_pole: own.pole,
@@ -78,7 +86,8 @@ impl<'a> Chart<'a> {
 
     /// The share s for a normal of the master that points to the same side as the facet's.
     fn share(&self, n: &Vector<3>) -> f64 {
-        let t = ((n.dot(&self.normal) - BLEND[0]) / BLEND[1]).clamp(0.0, 1.0);
+        let [none, whole] = self.blend;
+        let t = ((n.dot(&self.normal) - none) / (whole - none)).clamp(0.0, 1.0);
         t * t * (3.0 - 2.0 * t)
     }
 

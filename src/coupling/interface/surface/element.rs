@@ -26,6 +26,8 @@ const MOST_POINTS: usize = 16;
 const AGAIN: usize = 4;
 /// Share of the extent of a facet by which its box is inflated in the search.
 const SLACK: f64 = 0.15;
+/// Share of a facet, about its centre, on which a grid tells whether it is faced: at its sides the closest point may be a rim.
+const INSIDE: f64 = 0.999;
 /// Facets of a slave part that tell whether it faces a part of the master.
 const TOLD_BY: usize = 200;
 
@@ -177,6 +179,9 @@ impl<'a> Sides<'a> {
                 done.share += points.iter().map(|p| p.1).sum::<f64>() / cell;
             }
         }
+        // regions that tile it, of which some found no partners
+        let dropped = !self.partners.touch() && tiles && share - done.share > TILES;
+        done.lost |= dropped && self.is_faced(work, &mut chart);
         done
     }
 
@@ -231,19 +236,22 @@ impl<'a> Sides<'a> {
         self.master.project(&x).is_some_and(|hit| !hit.rim && hit.distance <= allowed)
     }
 
-    /// Whether every point of a grid in a facet has a partner: a closest point that is no rim, within reach, and opposes it.
+    /// Whether every point of a grid in a facet has a partner: a closest point that is no rim, within reach, on a facet that opposes it.
     fn is_faced(&self, work: &Work<'_, 'a>, chart: &mut Chart<'_>) -> bool {
         let element = work.facets.list[work.facet].element;
         let outward = self.partners.outward(self.slave.map, element);
         let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], [0.0; 2]);
         let mut table = MapTable::new();
-        let (master, grid) = (self.master.facets.map, chart.polygon.grid(5));
+        let (facets, center, mut grid) = (&self.master.facets, chart.polygon.center(), chart.polygon.grid(5));
+        grid.iter_mut().for_each(|at| *at = center + (*at - center) * INSIDE);
         let here = chart.eval(&grid);
         here.x.iter().zip(&here.jacobian).all(|(x, jacobian)| {
             let Some(hit) = self.master.project(x).filter(|hit| !hit.rim && hit.distance <= allowed) else { return false };
-            let Some((a, b)) = outward.zip(master.outward(hit.element)) else { return true };
-            master.map(hit.element, &[hit.xi], Order::Gradients, &mut table);
-            opposes(&unit_normal(jacobian, a), &unit_normal(&table.jacobian[0], b))
+            let Some(own) = outward.map(|a| unit_normal(jacobian, a)) else { return true };
+            self.master.holding(&hit, &mut table).into_iter().any(|(f, eta)| {
+                facets.at(f, &[eta], Order::Gradients, &mut table);
+                facets.map.outward(facets.list[f].element).is_none_or(|b| opposes(&own, &unit_normal(&table.jacobian[0], b)))
+            })
         })
     }
 

@@ -63,35 +63,41 @@ impl<'a> MasterSurface<'a> {
         holding.into_iter().any(|g| g == f || self.skeleton.corners[g].iter().any(|v| *v != usize::MAX && own.contains(v)))
     }
 
+    /// The facets that hold a closest point, with its coordinates there: one, or at an edge or a vertex several, that of its element first.
+    pub fn holding(&self, hit: &Projection<2, 3>, table: &mut MapTable<2, 3>) -> Vec<(usize, Vector<2>)> {
+        let Some(own) = self.facets.of(hit.element).find(|&f| self.facets.list[f].holds(&hit.xi)) else { return Vec::new() };
+        let at = self.facets.list[own].seen(&hit.xi);
+        let mut found = vec![(own, at)];
+        if self.facets.list[own].polygon.depth(&at) <= AT_EDGE {
+            let near = Bounds { lo: hit.x, hi: hit.x }.inflated(AT_EDGE * self.facets.list[own].size);
+            for f in self.candidates(&near).into_iter().filter(|&f| f != own) {
+                let foot = self.newton(f, &[hit.x], &mut [self.started(f, &hit.x)], Order::Gradients, table)[0];
+                let facet = &self.facets.list[f];
+                if (foot.x - hit.x).norm() <= AT_EDGE * facet.size && facet.polygon.depth(&foot.eta) >= -AT_EDGE {
+                    found.push((f, foot.eta));
+                }
+            }
+        }
+        found
+    }
+
     /// The facet that holds the closest point of `x`, and the foot on it, continued beyond its cell; `None` beyond a rim. Of several
     /// facets at an edge or a vertex the one whose normal is nearest to the line to `x`.
     pub fn place(&self, x: &Vector<3>, table: &mut MapTable<2, 3>) -> Option<(usize, Foot)> {
         let hit = self.project(x).filter(|hit| !hit.rim)?;
-        let own = self.facets.of(hit.element).find(|&f| self.facets.list[f].holds(&hit.xi))?;
-        let at = self.facets.list[own].seen(&hit.xi);
-        let (mut owner, mut start) = (own, at);
-        if self.facets.list[own].polygon.depth(&at) <= AT_EDGE {
-            let line = x - hit.x;
-            let mut along = |f: usize, eta: &Vector<2>| {
-                self.facets.at(f, &[*eta], Order::Gradients, table);
-                line.dot(&unit_normal(&table.jacobian[0], 1.0)).abs()
-            };
-            let mut best = along(own, &at);
-            let near = Bounds { lo: hit.x, hi: hit.x }.inflated(AT_EDGE * self.facets.list[own].size);
-            for f in self.candidates(&near).into_iter().filter(|&f| f != own) {
-                let foot = self.newton(f, &[hit.x], &mut [self.started(f, &hit.x)], Order::Gradients, &mut MapTable::new())[0];
-                let facet = &self.facets.list[f];
-                if (foot.x - hit.x).norm() > AT_EDGE * facet.size || facet.polygon.depth(&foot.eta) < -AT_EDGE {
-                    continue;
-                }
-                let here = along(f, &foot.eta);
-                if here > best + AT_EDGE * line.norm() {
-                    (owner, start, best) = (f, foot.eta, here);
+        let (line, holding) = (x - hit.x, self.holding(&hit, table));
+        let (mut owner, mut best) = (*holding.first()?, f64::NEG_INFINITY);
+        if holding.len() > 1 {
+            for at in holding {
+                self.facets.at(at.0, &[at.1], Order::Gradients, table);
+                let along = line.dot(&unit_normal(&table.jacobian[0], 1.0)).abs();
+                if along > best + AT_EDGE * line.norm() {
+                    (owner, best) = (at, along);
                 }
             }
         }
-        let foot = self.newton(owner, &[*x], &mut [start], Order::Hessians, table)[0];
-        Some((owner, foot))
+        let foot = self.newton(owner.0, &[*x], &mut [owner.1], Order::Hessians, table)[0];
+        Some((owner.0, foot))
     }
 
     /// The linearised coordinates of `x` on facet `f`, within one cell of it.

@@ -33,7 +33,7 @@ pub(super) struct Region {
 #[derive(Debug)]
 pub(super) struct Regions {
     pub list: Vec<Region>,
-    /// Whether a rim of the master lies inside the facet.
+    /// Whether a rim of one of these master facets lies inside the slave facet.
     pub has_rim: bool,
 }
 
@@ -72,7 +72,7 @@ pub(super) fn regions(
             out.list.push(Region { facet, chain, area, pole });
         }
     }
-    out.has_rim = traced.rim_inside();
+    out.has_rim = traced.rim_inside(&out.list);
     out
 }
 
@@ -132,8 +132,8 @@ impl Traced<'_, '_, '_> {
         self.edges.insert(edge, pieces);
     }
 
-    /// Whether a rim passes through the inside of the cell.
-    fn rim_inside(&self) -> bool {
+    /// Whether a rim of a facet that has a region passes through the inside of the cell; of others, which look away, it ends nothing.
+    fn rim_inside(&self, regions: &[Region]) -> bool {
         let polygon = self.chart.polygon;
         // chords pass through the cell between their ends; what lies on a side is no inside
         let within = |piece: &Piece| match piece {
@@ -155,7 +155,10 @@ impl Traced<'_, '_, '_> {
                 range[1] > range[0]
             }
         };
-        let edges = &self.master.skeleton.edges;
-        self.edges.iter().any(|(e, pieces)| edges[*e].at.len() == 1 && pieces.iter().any(within))
+        let ends = |e: usize| match self.master.skeleton.edges[e].at[..] {
+            [(facet, _)] => regions.iter().any(|r| r.facet == facet),
+            _ => false,
+        };
+        self.edges.iter().any(|(&e, pieces)| ends(e) && pieces.iter().any(within))
     }
 }

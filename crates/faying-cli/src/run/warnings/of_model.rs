@@ -42,6 +42,15 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
             );
             ("E065", text, block(of.number), help)
         }
+        Warning::PartUncovered { slave, share, .. } => (
+            "E025",
+            format!(
+                "{} % of the slave side `{slave}` of interface \"{name}\" meets no master: facets end beside each other at the rim of the surface that they stand for; nothing ties that part",
+                percent(*share)
+            ),
+            case.interfaces.iter().find(|tie| tie.name.value == *name)?.head.at,
+            "take more elements along the sides, degree 2 or more, mapping = \"exact\", or backend = \"iga\"".into(),
+        ),
         Warning::Facets { sag, gap, .. } => (
             "E065",
             format!(
