@@ -10,7 +10,7 @@
 //! in the last two elements of the functions' zone or the one after.
 
 use super::ContactRows;
-use super::curves::Curves;
+use super::several::Several;
 use super::tail::Tail;
 use crate::basis::Order;
 use crate::coupling::interface::Chain;
@@ -81,7 +81,7 @@ pub struct ClosedSide<'a, const N: usize, T: Real = f64> {
 /// # Errors
 /// [`NoHalfWidth`] where the pressure does not tell an end.
 pub fn half_width<const N: usize, T: Real>(sides: &[ClosedSide<'_, N, T>], symmetry: bool) -> Result<T, NoHalfWidth> {
-    let joined = Curves { elements: sides.iter().flat_map(|s| (0..s.slave.num_elements()).map(|e| (s.slave, e))).collect() };
+    let joined = Several { elements: sides.iter().flat_map(|s| (0..s.slave.num_elements()).map(|e| (s.slave, e))).collect() };
     let chain = Chain::of(&joined);
     let sections = Section::all(sides, &joined, &chain);
     let walk = chain.walk();

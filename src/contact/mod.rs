@@ -1,9 +1,9 @@
 //! Floor 10: contact kinematics (gaps, normals, rigid obstacles, half-width) and multiplier cones. Names no basis type.
 
 mod cone;
-mod curves;
 mod cylinder;
 mod depth;
+mod edges;
 mod facing_surface;
 mod frames;
 mod gap;
@@ -12,11 +12,15 @@ mod half_width;
 mod level_set;
 mod line_zero;
 mod method;
+mod normal_cone;
 mod obstacles;
 mod outline;
 mod pressed;
 mod pressure;
+mod several;
 mod surface;
+mod surface_feet;
+mod surface_outline;
 mod tail;
 mod torus;
 
@@ -34,9 +38,10 @@ pub use half_width::{ClosedSide, NoHalfWidth, half_width};
 pub use level_set::LevelSet;
 pub use method::{Augmented, Begun, ContactAt, ContactMethod, Lagrange, MethodError, Needs, PointValues, Translation};
 pub use obstacles::{HalfPlane, Moved, Sphere};
-pub use outline::{OutlineError, area_outline, curve_outline, without_seams};
+pub use outline::{OutlineError, OutlinePiece, body_outline, curve_outline, pieces, without_seams};
 pub use pressure::ContactResultants;
-pub use surface::{OutlinePiece, Surface, pieces};
+pub use surface::Surface;
+pub use surface_outline::surface_outline;
 pub use torus::Torus;
 
 /// Position of a point on a surface: element and local coordinates.

@@ -1,12 +1,13 @@
 //! A rigid obstacle with the shape of a trace, a curve, or the outline of an area.
 
-use super::curves::Curves;
+use super::outline::{OutlinePiece, pieces};
+use super::several::Several;
 use super::{Hit, Location, Obstacle, opposes};
 use crate::basis::Order;
 use crate::coupling::interface::{MasterCurve, Partner};
 use crate::geometry::{Geometry, MapTable, Oriented, unit_normal};
 use crate::linalg::{Real, Vector, lit};
-use crate::space::{Space, Trace};
+use crate::space::Trace;
 use std::sync::Arc;
 
 /// Cosine of the turn between two elements above which they have no corner: 10 degrees, more than facets of meshes have.
@@ -18,17 +19,6 @@ const FARTHER: f64 = 10.0;
 
 /// A curve as a map of elements.
 type Curve<T> = Arc<dyn Geometry<1, 2, T>>;
-
-/// One element of an obstacle's outline.
-#[derive(Clone, Debug)]
-pub struct OutlinePiece<T: Real = f64> {
-    /// The curve that it is part of.
-    pub curve: Arc<dyn Geometry<1, 2, T>>,
-    /// Its element there.
-    pub element: usize,
-    /// +1 or -1: sign that makes the tangent turned clockwise a normal out of the obstacle.
-    pub outward: T,
-}
 
 /// The closest point of a curved side among what opposes the slave's normal, with the outward normal of the element that owns it.
 ///
@@ -51,7 +41,7 @@ pub struct OutlinePiece<T: Real = f64> {
 /// ```
 #[derive(Debug)]
 pub struct Surface<T: Real = f64> {
-    master: MasterCurve<Oriented<Curves<Curve<T>>, T>, 2, T>,
+    master: MasterCurve<Oriented<Several<Curve<T>>, T>, 2, T>,
     reach: Option<T>,
 }
 
@@ -64,15 +54,15 @@ impl<T: Real> Surface<T> {
     /// The obstacle to the right of `curve`: its normals are the direction of travel turned by +90 degrees.
     pub fn left_of(curve: Arc<dyn Geometry<1, 2, T>>, reach: Option<T>) -> Self {
         let pieces =
-            (0..curve.num_elements()).map(|element| OutlinePiece { curve: Arc::clone(&curve), element, outward: -T::one() }).collect();
+            (0..curve.num_elements()).map(|element| OutlinePiece { map: Arc::clone(&curve), element, outward: -T::one() }).collect();
         Self::of_pieces(pieces, reach)
     }
 
     /// The obstacle with an outline of `pieces` in any order; pieces with coincident ends are joined.
-    pub fn of_pieces(pieces: Vec<OutlinePiece<T>>, reach: Option<T>) -> Self {
+    pub fn of_pieces(pieces: Vec<OutlinePiece<1, 2, T>>, reach: Option<T>) -> Self {
         let outward = pieces.iter().map(|p| p.outward).collect();
-        let elements = pieces.into_iter().map(|p| (p.curve, p.element)).collect();
-        Self { master: MasterCurve::new(Oriented { map: Curves { elements }, outward }, T::zero()), reach }
+        let elements = pieces.into_iter().map(|p| (p.map, p.element)).collect();
+        Self { master: MasterCurve::new(Oriented { map: Several { elements }, outward }, T::zero()), reach }
     }
 
     /// The closest point of all, whatever it opposes; `None` beyond an end of the side and beyond the reach.
@@ -114,13 +104,6 @@ impl<T: Real> Surface<T> {
         let foot = table.x[0];
         Some(Hit { x: foot, normal, gap: (x - foot).dot(&normal), at: Some(Location { element: place.element, xi: eta[0] }) })
     }
-}
-
-/// The elements of a trace with their outward signs.
-pub fn pieces<T: Real>(trace: &Trace<1, 2, T>) -> Vec<OutlinePiece<T>> {
-    let space: Arc<dyn Space<1, 2, T>> = Arc::clone(&trace.space);
-    let curve: Curve<T> = space;
-    (0..curve.num_elements()).map(|e| OutlinePiece { curve: Arc::clone(&curve), element: e, outward: trace.outward[e] }).collect()
 }
 
 impl<T: Real> Obstacle<1, 2, T> for Surface<T> {

@@ -59,9 +59,6 @@ pub enum CouplingError {
         /// Elements of the multiplier.
         found: usize,
     },
-    /// Rules of the library on surfaces.
-    #[error("ties and contacts of surfaces are not in this version")]
-    Surfaces,
     /// The segments of a rule are not sound.
     #[error("the rule of integration returns wrong segments: {0}")]
     Rule(String),

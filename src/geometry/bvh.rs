@@ -100,7 +100,7 @@ impl<const N: usize, T: Real> Tree<N, T> {
     }
 
     /// Values per node: `join` of those of the items below it; of an item `of_item`.
-    pub(super) fn gathered<S: Copy>(&self, of_item: impl Fn(usize) -> S, join: impl Fn(S, S) -> S) -> Vec<S> {
+    pub(crate) fn gathered<S: Copy>(&self, of_item: impl Fn(usize) -> S, join: impl Fn(S, S) -> S) -> Vec<S> {
         let mut of_node: Vec<Option<S>> = vec![None; self.nodes.len()];
         // halves have larger numbers than their node
         for (number, node) in self.nodes.iter().enumerate().rev() {
@@ -113,7 +113,7 @@ impl<const N: usize, T: Real> Tree<N, T> {
     }
 
     /// The box of a node.
-    pub(super) fn node(&self, number: usize) -> &Bounds<N, T> {
+    pub(crate) fn node(&self, number: usize) -> &Bounds<N, T> {
         &self.nodes[number].bounds
     }
 
@@ -143,7 +143,7 @@ impl<const N: usize, T: Real> Tree<N, T> {
     }
 
     /// Visits items as [`Tree::nearest`] does, of nodes (numbers of [`Tree::gathered`]) and items that `keep(number, is_item)` keeps.
-    pub(super) fn nearest_among(&self, x: &Vector<N, T>, reach: T, keep: impl Fn(usize, bool) -> bool, mut visit: impl FnMut(usize) -> T) {
+    pub(crate) fn nearest_among(&self, x: &Vector<N, T>, reach: T, keep: impl Fn(usize, bool) -> bool, mut visit: impl FnMut(usize) -> T) {
         let mut reach = to_f64(reach);
         let mut queue = BinaryHeap::with_capacity(QUEUE);
         if let Some(root) = self.nodes.first() {

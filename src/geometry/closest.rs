@@ -212,6 +212,20 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         Some(Projection { element: best.element, xi: best.xi, x: best.x, distance: best.distance, rim })
     }
 
+    /// The point of one element closest to `x`, without its `rim`.
+    pub(crate) fn project_on(&self, element: usize, x: &Vector<N, T>) -> Projection<D, N, T> {
+        let far = T::max_value().unwrap_or_else(T::one);
+        let mut best = Best { element, xi: Vector::zeros(), x: *x, distance: far, found: false };
+        self.search_cell(element, x, &mut best, &mut MapTable::new());
+        Projection { element, xi: best.xi, x: best.x, distance: best.distance, rim: false }
+    }
+
+    /// The least distance to `x` on one element downhill from `start`, without its `rim`.
+    pub(crate) fn descend_from(&self, element: usize, x: &Vector<N, T>, start: Vector<D, T>) -> Projection<D, N, T> {
+        let (xi, at, distance) = self.descend(self.geometry.cell(element), element, x, start, &mut MapTable::new());
+        Projection { element, xi, x: at, distance, rim: false }
+    }
+
     fn beyond_rim(&self, best: &Best<D, N, T>, p: &Vector<N, T>, table: &mut MapTable<D, N, T>) -> bool {
         let kind = self.geometry.cell(best.element);
         let faces = cell::faces::<D, T>(kind);

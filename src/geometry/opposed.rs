@@ -15,7 +15,7 @@ use super::closest::{DEPTH, PIECES, SAME_FACE, Sample, WORTH};
 use super::cone::{Cone, turn};
 use super::{Bounds, ClosestPoint, Geometry, MapTable, Projection, Tree};
 use crate::basis::Order;
-use crate::linalg::{Matrix, Real, Vector, lit, num, to_f64};
+use crate::linalg::{Real, Vector, lit, num, to_f64};
 use std::f64::consts::FRAC_PI_3;
 
 /// Cosine of the largest angle between a normal and the reverse of the one that it opposes: 60 degrees.
@@ -61,17 +61,6 @@ fn angle<const N: usize, T: Real>(v: &Vector<N, T>) -> f64 {
     to_f64(v[1]).atan2(to_f64(v[0]))
 }
 
-/// The unit normal of a surface in space, zero where its tangents are dependent.
-fn surface_normal<const D: usize, const N: usize, T: Real>(jacobian: &Matrix<N, D, T>, outward: T) -> Vector<N, T> {
-    let j = jacobian;
-    let cross = Vector::<N, T>::from_fn(|k, _| {
-        let (a, b) = ((k + 1) % 3, (k + 2) % 3);
-        j[(a, 0)] * j[(b, 1)] - j[(b, 0)] * j[(a, 1)]
-    });
-    let length = cross.norm();
-    if length > T::zero() { cross * (outward / length) } else { cross }
-}
-
 /// The unit normal of a curve in the plane with the derivative `d`, zero where that vanishes.
 fn normal_of<const N: usize, T: Real>(d: &Vector<N, T>, outward: T) -> Vector<N, T> {
     let length = d.norm();
@@ -91,18 +80,11 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     /// The closest point to `x` among what opposes `normal`, the outward unit normal at `x` (see the head of this file); `None` where
     /// nothing opposes it, and where the closest point is a rim that `x` overhangs by more than `slack` \[length\].
     ///
-    /// On surfaces it is the closest point, if that opposes. Where the map has no outward signs it is the closest point.
+    /// Where the map is no curve in the plane with outward signs it is the closest point.
     pub fn project_opposed(&self, x: &Vector<N, T>, normal: &Vector<N, T>, slack: T) -> Option<Projection<D, N, T>> {
         let nearest = self.project(x)?;
-        let Some(outward) = self.geometry().outward(nearest.element) else { return Some(nearest) };
         let mut table = MapTable::new();
-        let Some(facing) = self.facing() else {
-            if D != 2 || N != 3 {
-                return Some(nearest);
-            }
-            self.geometry().map(nearest.element, &[nearest.xi], Order::Gradients, &mut table);
-            return opposes(normal, &surface_normal(&table.jacobian[0], outward)).then_some(nearest);
-        };
+        let Some(facing) = self.facing() else { return Some(nearest) };
         let asked = |counts| Asked { p: x, normal, slack, counts };
         let end = if nearest.xi[0] <= lit(AT_END) {
             Some(0)

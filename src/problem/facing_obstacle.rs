@@ -63,7 +63,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let Some((side, target)) = self.slave_and_target(contact, slave) else { return false };
         let (space, mut map) = (self.bodies[side.body()].body.space(), MapTable::new());
         let inside = |x: &Vector<N>| {
-            let hits = around::<N>().into_iter().filter_map(|n| opposed(&*target, x, &n));
+            let hits = around::<N>().filter_map(|n| opposed(&*target, x, &n));
             hits.min_by(|a, b| (x - a.x).norm().total_cmp(&(x - b.x).norm())).is_some_and(|hit| hit.gap < 0.0)
         };
         let cells = space.num_elements();
@@ -108,10 +108,8 @@ fn look<const S: usize, const N: usize>(trace: &Trace<S, N>, target: &dyn Obstac
     Look { share, reversed, gap: [0, 1].map(|way| if count[way] > 0.0 { gap[way] / count[way] } else { 0.0 }) }
 }
 
-/// Unit vectors all around in the plane of the first two axes.
-fn around<const N: usize>() -> [Vector<N>; 8] {
-    std::array::from_fn(|k| {
-        let (s, c) = (std::f64::consts::FRAC_PI_4 * k as f64).sin_cos();
-        Vector::from_fn(|i, _| [c, s].get(i).copied().unwrap_or(0.0))
-    })
+/// Unit vectors all around: along the axes, and the diagonals between two or three of them.
+fn around<const N: usize>() -> impl Iterator<Item = Vector<N>> {
+    let steps = |k: usize| Vector::<N>::from_fn(|i, _| (k / 3usize.pow(i as u32) % 3) as f64 - 1.0);
+    (0..3usize.pow(N as u32)).filter_map(move |k| steps(k).try_normalize(0.0))
 }

@@ -36,6 +36,10 @@ pub struct TieResult {
     pub balance: f64,
     /// Number of pieces of integration.
     pub pieces: usize,
+    /// Largest distance of a point of integration from the cell of its master element, in local coordinates.
+    pub outside: f64,
+    /// Number of slave elements that the pieces do not tile though the master does not end there.
+    pub lost: usize,
 }
 
 /// Pressure and gap of a contact, and the force that it transmits.
@@ -63,6 +67,10 @@ pub struct ContactResult<const N: usize> {
     pub sign_cases: [usize; 9],
     /// Number of pieces of integration, which face the opponent.
     pub pieces: usize,
+    /// Largest distance of a point of integration from the cell of its master element, in local coordinates; zero against obstacles.
+    pub outside: f64,
+    /// Number of slave elements that the pieces do not tile though the master does not end there; zero against obstacles.
+    pub lost: usize,
     /// Their measure [length^S].
     pub measure: f64,
     /// Half the extent of the zone along the slave sides \[length\], see [`crate::contact::half_width`]; `None` on surfaces.
@@ -120,6 +128,8 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
                 }
                 result.area += s.measure();
                 result.distance = result.distance.max(s.report.distance);
+                result.outside = result.outside.max(s.report.outside);
+                result.lost += s.report.lost.len();
             }
         }
         (result.force, result.multiplier) = (pull.force, squares.sqrt());
@@ -176,6 +186,8 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             violation: Violation::default(),
             sign_cases: [0; 9],
             pieces: 0,
+            outside: 0.0,
+            lost: 0,
             measure: 0.0,
             half_width: None,
             displacement: self.obstacle.as_ref().map(|o| o.displacement(state.t, Some(&state.u))),
@@ -212,6 +224,8 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             sum.pieces += rows.segments.num_pieces();
             sum.measure += rows.segments.measure();
             if let Opposing::Side(..) = part.against {
+                sum.outside = sum.outside.max(rows.segments.report.outside);
+                sum.lost += rows.segments.report.lost.len();
                 balance.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), lambda);
             }
             zones.push(ContactZone { slave: &*part.slave.trace.space, contact: rows, sent });

@@ -9,10 +9,11 @@ use super::error::ProblemErrors;
 use super::multipliers::{DualBases, constrained_ends};
 use crate::basis::Basis;
 use crate::contact::{ClosedSide, NoHalfWidth, half_width};
-use crate::coupling::interface::{InterfaceQuadrature, MasterSums, MergedCurve, MergedSurface, Partners, SlaveRule, SlaveSurface};
+use crate::coupling::Segments;
+use crate::coupling::interface::{
+    InterfaceQuadrature, MasterSums, MasterSurfaceSums, MergedCurve, MergedSurface, Partners, SlaveRule, SlaveSurface,
+};
 use crate::coupling::multiplier::{self, MultiplierError, MultiplierKind};
-use crate::coupling::{CouplingError, Segments};
-use crate::geometry::Geometry;
 use crate::space::{Dimension, Trace};
 
 /// Rules and multipliers of slave sides, and what is compiled once per dimension.
@@ -117,17 +118,6 @@ impl InterfaceSide<1, 2> for Trace<1, 2> {
     }
 }
 
-/// A rule of surfaces that is not in this version.
-#[derive(Clone, Copy, Debug)]
-struct NoRule;
-
-impl InterfaceQuadrature<2, 3> for NoRule {
-    fn segments(&self, _: &dyn Geometry<2, 3>, _: &dyn Geometry<2, 3>) -> Result<Segments<2>, CouplingError> {
-        Err(CouplingError::Surfaces)
-    }
-}
-
-/// The library has the merged and the slave rule of surfaces and multipliers; sums over the master come from outside.
 impl InterfaceSide<2, 3> for Trace<2, 3> {
     #[inline(never)]
     fn compiled() -> &'static dyn Compiled<2, 3> {
@@ -139,16 +129,15 @@ impl InterfaceSide<2, 3> for Trace<2, 3> {
     fn slave_rule(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
         Box::new(SlaveSurface { points, partners })
     }
-    fn master_sums(_: usize, _: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
-        Box::new(NoRule)
+    fn master_sums(points: usize, partners: Partners) -> Box<dyn InterfaceQuadrature<2, 3>> {
+        Box::new(MasterSurfaceSums { points, partners })
     }
     fn multiplier(&self, kind: MultiplierKind, constrained: &dyn Fn(usize) -> bool) -> Result<Box<dyn Basis<2>>, MultiplierError> {
         multiplier::build_on_surface(&self.space, kind, &|i| constrained(self.dofs[i]))
     }
-    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, _: &Segments<2>) -> Result<DualBases<2>, MultiplierError> {
-        // there are none: the error lists what there is
-        let made = || self.multiplier(MultiplierKind::Dual, constrained);
-        Ok((made()?, made()?))
+    fn covered_dual(&self, constrained: &dyn Fn(usize) -> bool, faced: &Segments<2>) -> Result<DualBases<2>, MultiplierError> {
+        let constrained: Vec<bool> = self.dofs.iter().map(|&function| constrained(function)).collect();
+        multiplier::dual_on_surface(&self.space, &constrained, faced)
     }
     fn without_slivers(&self, psi: Box<dyn Basis<2>>, faced: &Segments<2>) -> Box<dyn Basis<2>> {
         multiplier::without_slivers(psi, &*self.space, faced)

@@ -6,12 +6,14 @@ use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::fixed::Eliminated;
 use super::handles::Statement;
 use super::interface_error::InterfaceError;
+use super::interface_side::InterfaceSide;
 use super::model::{BodySide, Model};
 use super::multipliers::wrapped;
 use crate::basis::{Basis, Order, ShapeTable};
-use crate::coupling::multiplier::{MultiplierError, side_ends};
-use crate::geometry::MapTable;
+use crate::coupling::multiplier::MultiplierError;
+use crate::geometry::{Bounds, MapTable, Tree, cell};
 use crate::linalg::Vector;
+use crate::space::{Space, Trace};
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -19,15 +21,17 @@ use std::sync::Arc;
 const NO_VALUE: f64 = 1e-10;
 /// Components of a unit normal below this count as zero.
 const PERPENDICULAR: f64 = 1e-9;
+/// Points nearer than this share of the size of a side are one.
+const SAME_PLACE: f64 = 1e-9;
 
-/// Constraints at the ends of slave sides.
+/// Constraints at the ends of slave sides, along the rims of those in space.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SlaveEnds {
     /// As stated: supports and cross points.
     #[default]
     Stated,
-    /// Traces vanish at both ends, multipliers are lowered there.
+    /// Traces vanish at both ends, or along the whole rim, and multipliers are lowered there.
     Zero,
     /// Nothing is constrained.
     Free,
@@ -35,35 +39,38 @@ pub enum SlaveEnds {
 
 /// The spaces of one scalar problem on one slave side.
 #[derive(Debug)]
-pub struct SlaveSpace {
+pub struct SlaveSpace<const S: usize = 1, const N: usize = 2> {
     /// The tie or contact.
     pub of: Statement,
     /// The slave side.
-    pub side: Arc<BodySide<1, 2>>,
+    pub side: Arc<BodySide<S, N>>,
     /// The component of a tie; `None`: the normal of a contact.
     pub component: Option<usize>,
     /// Number of every function of the side in the trace space; `None` if it is constrained.
     pub functions: Vec<Option<usize>>,
     /// The multiplier space.
-    pub multiplier: Box<dyn Basis<1>>,
+    pub multiplier: Box<dyn Basis<S>>,
 }
 
 /// A scalar problem on a slave side.
-struct Wanted<'a> {
+struct Wanted<'a, const S: usize, const N: usize> {
     of: Statement,
     name: &'a str,
     number: usize,
-    multiplier: &'a Multiplier<1, 2>,
+    multiplier: &'a Multiplier<S, N>,
     component: Option<usize>,
 }
 
-impl Problem<1, 2> {
+impl<const S: usize, const N: usize> Problem<S, N>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     /// The spaces of every slave side and component, ties first, those of couplings and methods without multipliers left out. No segments,
     /// no rows, no integrals over bodies.
     ///
     /// # Errors
     /// All that is wrong with bodies, sides and multipliers.
-    pub fn slave_spaces(&self, ends: SlaveEnds) -> Result<Vec<SlaveSpace>, ProblemErrors> {
+    pub fn slave_spaces(&self, ends: SlaveEnds) -> Result<Vec<SlaveSpace<S, N>>, ProblemErrors> {
         let model = self.model(self.contacts.iter().map(|c| c.own.forces.len()).sum())?;
         let fixed = self.fixed(&model)?;
         let tied = self.memberships(&model);
@@ -77,7 +84,7 @@ impl Problem<1, 2> {
                     let wanted = Wanted { of: tie.id().into(), name: &tie.name, number, multiplier: &tie.multiplier, component: Some(c) };
                     match spaces(&model, slave, &wanted, ends, &held) {
                         Ok(spaces) => out.push(spaces),
-                        // both components may have the same error
+                        // components may have the same error
                         Err(error) if told.contains(&error) => {}
                         Err(error) => told.push(error),
                     }
@@ -92,7 +99,7 @@ impl Problem<1, 2> {
                     is_taken(&model, &fixed, slave, function, c) || tied.count(&model, slave.patch, function) > 0
                 };
                 let held = |function: usize| {
-                    let along = |n: &Vector<2>| (0..model.components.min(2)).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c));
+                    let along = |n: &Vector<N>| (0..model.components.min(N)).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c));
                     normals.get(&function).is_some_and(along)
                 };
                 let (of, multiplier) = (contact.id().into(), &contact.multiplier);
@@ -107,18 +114,27 @@ impl Problem<1, 2> {
     }
 }
 
-fn is_taken(model: &Model<1, 2>, fixed: &Eliminated, slave: &BodySide<1, 2>, function: usize, component: usize) -> bool {
+fn is_taken<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    fixed: &Eliminated,
+    slave: &BodySide<S, N>,
+    function: usize,
+    component: usize,
+) -> bool {
     fixed.is(model.patches[slave.patch].field.unknown(function, component))
 }
 
-fn spaces(
-    model: &Model<1, 2>,
-    slave: &Arc<BodySide<1, 2>>,
-    wanted: &Wanted<'_>,
+fn spaces<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    slave: &Arc<BodySide<S, N>>,
+    wanted: &Wanted<'_, S, N>,
     ends: SlaveEnds,
     held: &dyn Fn(usize) -> bool,
-) -> Result<SlaveSpace, ProblemError> {
-    let at_ends = if ends == SlaveEnds::Zero { end_functions(model, slave) } else { HashSet::new() };
+) -> Result<SlaveSpace<S, N>, ProblemError>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
+    let at_ends = if ends == SlaveEnds::Zero { rim_functions(model, slave) } else { HashSet::new() };
     let constrained = |function: usize| match ends {
         SlaveEnds::Stated => held(function),
         SlaveEnds::Zero => at_ends.contains(&function),
@@ -129,7 +145,7 @@ fn spaces(
     };
     let multiplier = match make(&constrained) {
         // too few elements to lower the multiplier: unlowered, it has more functions than the trace
-        Err(MultiplierError::NothingLeft { .. }) => make(&|_| false),
+        Err(MultiplierError::NothingLeft { .. } | MultiplierError::NothingLeftAtEdge { .. }) => make(&|_| false),
         made => made,
     };
     let multiplier = multiplier.map_err(|error| {
@@ -147,29 +163,60 @@ fn spaces(
     Ok(SlaveSpace { of: wanted.of, side: slave.clone(), component: wanted.component, functions, multiplier })
 }
 
-/// Functions of the body that do not vanish at an end of the side; a side that closes on itself has no end.
-fn end_functions(model: &Model<1, 2>, slave: &BodySide<1, 2>) -> HashSet<usize> {
+/// Functions of the body that do not vanish on the rim of the side, the ends of a curve; a side that closes on itself has none there.
+fn rim_functions<const S: usize, const N: usize>(model: &Model<S, N>, slave: &BodySide<S, N>) -> HashSet<usize> {
     let (space, dofs) = (&*slave.trace.space, &slave.trace.dofs);
     let mut count: HashMap<usize, usize> = HashMap::new();
     dofs.iter().for_each(|&dof| *count.entry(model.function(slave.patch, dof)).or_default() += 1);
     let (mut ids, mut table, mut found) = (Vec::new(), ShapeTable::new(), HashSet::new());
-    for end in side_ends(space) {
-        space.active(end.element, &mut ids);
-        space.tabulate(end.element, &[Vector::<1>::new(end.at as f64)], Order::Values, &mut table);
-        let there = ids.iter().zip(table.values(0)).filter(|(_, v)| v.abs() > NO_VALUE).map(|(&i, _)| dofs[i]);
-        found.extend(there.filter(|&dof| count[&model.function(slave.patch, dof)] == 1));
+    for (element, ends) in rim(space) {
+        // a polynomial that is not zero along an edge has fewer zeros there than points
+        let n = space.degree(element).into_iter().max().unwrap_or(1) + 1;
+        let points: Vec<Vector<S>> = (0..=n).map(|k| ends[0] + (ends[1] - ends[0]) * (k as f64 / n as f64)).collect();
+        space.active(element, &mut ids);
+        space.tabulate(element, &points, Order::Values, &mut table);
+        for q in 0..points.len() {
+            let there = ids.iter().zip(table.values(q)).filter(|(_, v)| v.abs() > NO_VALUE).map(|(&i, _)| dofs[i]);
+            found.extend(there.filter(|&dof| count[&model.function(slave.patch, dof)] == 1));
+        }
     }
     found
 }
 
+/// The faces of elements that no other element has, with their first and last corner in local coordinates: by corner ids, by their places
+/// where those are unknown.
+fn rim<const S: usize, const N: usize>(space: &dyn Space<S, N>) -> Vec<(usize, [Vector<S>; 2])> {
+    let (mut all, mut places, mut ids, mut map) = (Vec::new(), Vec::new(), Vec::new(), MapTable::new());
+    for element in 0..space.num_elements() {
+        let kind = space.cell(element);
+        let (corners, faces) = (cell::corners::<S, f64>(kind), cell::faces::<S, f64>(kind));
+        space.corners(element, &mut ids);
+        space.map(element, &faces.iter().map(|f| f.center).collect::<Vec<_>>(), Order::Values, &mut map);
+        for (face, x) in faces.iter().zip(&map.x) {
+            let mut key: Vec<usize> = if ids.is_empty() { Vec::new() } else { face.corners.iter().map(|&c| ids[c]).collect() };
+            key.sort_unstable();
+            all.push((key, element, [0, face.corners.len() - 1].map(|k| corners[face.corners[k]])));
+            places.push(*x);
+        }
+    }
+    let mut times: HashMap<Vec<usize>, usize> = HashMap::new();
+    all.iter().for_each(|(key, ..)| *times.entry(key.clone()).or_default() += 1);
+    let tree = Tree::new(places.iter().map(|x| Bounds { lo: *x, hi: *x }).collect());
+    let near = tree.bounds().map_or(0.0, |b| b.diagonal()) * SAME_PLACE;
+    let alone = |k: usize| tree.meeting(&Bounds { lo: places[k], hi: places[k] }.inflated(near)).len() == 1;
+    let is_rim = |(k, key): (usize, &Vec<usize>)| if key.is_empty() { alone(k) } else { times[key] == 1 };
+    let kept = all.iter().enumerate().filter(|(k, (key, ..))| is_rim((*k, key)));
+    kept.map(|(_, (_, element, ends))| (*element, *ends)).collect()
+}
+
 /// Unit normal of the side at the point where each function of the body is largest, among some points of every element.
-fn normals(slave: &BodySide<1, 2>) -> HashMap<usize, Vector<2>> {
+fn normals<const S: usize, const N: usize>(slave: &BodySide<S, N>) -> HashMap<usize, Vector<N>> {
     let space = &*slave.trace.space;
     let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
-    let mut best: HashMap<usize, (f64, Vector<2>)> = HashMap::new();
+    let mut best: HashMap<usize, (f64, Vector<N>)> = HashMap::new();
     for e in 0..space.num_elements() {
-        let n = space.degree(e)[0] + 1;
-        let points: Vec<Vector<1>> = (0..=n).map(|k| Vector::<1>::new(k as f64 / n as f64)).collect();
+        let degree = space.degree(e).into_iter().max().unwrap_or(1);
+        let points = cell::grid::<S, f64>(space.cell(e), degree + 2);
         space.active(e, &mut ids);
         space.tabulate(e, &points, Order::Values, &mut shapes);
         space.map(e, &points, Order::Gradients, &mut map);

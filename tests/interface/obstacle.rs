@@ -128,7 +128,7 @@ fn obstacle_problem_by_condensation_ends_in_the_same_state() {
 /// Two squares side by side are one rectangle without a seam; a curve has its obstacle to its right.
 #[test]
 fn outlines_are_the_boundary_of_all_areas() {
-    use faying::contact::{Surface, area_outline, curve_outline, opposed, without_seams};
+    use faying::contact::{Surface, body_outline, curve_outline, opposed, without_seams};
     use faying::geometry::ControlNet;
     use faying::geometry::shapes::rectangle;
     use faying::linalg::Vector;
@@ -137,7 +137,7 @@ fn outlines_are_the_boundary_of_all_areas() {
     for x in [0.0, 1.0] {
         let spec = PatchSpec::new(rectangle([x, 0.0], [x + 1.0, 1.0]).unwrap()).with_elements([2, 2]);
         let square = Patch::<1, 2>::try_new(&spec).unwrap();
-        all.extend(area_outline(&square, square.sides()).unwrap());
+        all.extend(body_outline(&square, square.sides()).unwrap());
     }
     assert_eq!(all.len(), 16);
     let outer = without_seams(all);

@@ -1,11 +1,11 @@
 //! Obstacles in space: moved, pressed by a force, said in two ways, and several slave sides on one of them.
 
 use crate::bodies::{KINDS, Kind, steel};
-use faying::contact::{Cylinder, HalfPlane, LevelSet, Obstacle, Sphere, Torus};
-use faying::geometry::shapes;
-use faying::linalg::Vector;
+use faying::contact::{Cylinder, FacingSurface, HalfPlane, LevelSet, Obstacle, Sphere, Torus, body_outline};
+use faying::geometry::{ControlNet, shapes, turn_about};
+use faying::linalg::{Matrix, Vector};
 use faying::problem::{Components, ContactId, Data, ErrorKind, InterfaceError, Opponent, Problem, Solution};
-use faying::space::PatchSpec;
+use faying::space::{Body, Patch, PatchSpec};
 use std::sync::Arc;
 
 type Shape = Arc<dyn Obstacle<2, 3>>;
@@ -23,7 +23,24 @@ fn shapes_below() -> Vec<(&'static str, Shape)> {
         ("cylinder", Arc::new(Cylinder::try_new(v(0.5, 0.4, -1.5), v(1.0, 0.3, 0.0), 1.5).unwrap())),
         ("torus", Arc::new(Torus::try_new(v(0.5, -1.1, -0.8), v(0.0, 0.0, 1.0), 1.6, 0.8).unwrap())),
         ("level set", Arc::new(LevelSet::new(bump))),
+        ("box", Arc::new(boundary(&shapes::brick([-0.4, -0.3, -1.0], [1.3, 1.2, 0.0]).unwrap()))),
+        (
+            "solid",
+            Arc::new(boundary(&shapes::sphere_octant([0.0; 3], [1.5, 2.0]).unwrap().rotate(&corner_up()).translate(&v(0.45, 0.5, -2.0)))),
+        ),
     ]
+}
+
+/// The boundary of a solid of one element.
+fn boundary(net: &ControlNet<3, 3>) -> FacingSurface {
+    let body = Patch::<2, 3>::try_new(&PatchSpec::new(net.clone())).unwrap();
+    FacingSurface::of_pieces(body_outline(&body, body.sides()).unwrap())
+}
+
+/// A turn that brings the diagonal of the first octant to the z axis.
+fn corner_up() -> Matrix<3, 3> {
+    let (diagonal, up) = (Vector::<3>::repeat(1.0).normalize(), Vector::<3>::z());
+    turn_about(&diagonal.cross(&up), diagonal.dot(&up).acos().to_degrees()).unwrap()
 }
 
 #[test]
@@ -100,7 +117,7 @@ fn an_obstacle_pressed_by_a_force_transmits_it() {
     for kind in KINDS {
         for (name, obstacle) in shapes_below() {
             let mut p = Problem::<2, 3>::new();
-            let body = kind.turned_box(([0.0; 3], [1.0, 1.0, 0.5]), &faying::linalg::Matrix::identity(), 2, [4, 4, 2]);
+            let body = kind.turned_box(([0.0; 3], [1.0, 1.0, 0.5]), &Matrix::identity(), 2, [4, 4, 2]);
             let block = kind.add(&mut p, "block", body, steel());
             p.fix(block.side("w1"), Components::All).unwrap();
             let contact = p.contact(block.side("w0"), Opponent::Obstacle(obstacle)).unwrap().pressed(2, 3e-3).id();
@@ -139,7 +156,7 @@ fn a_list_of_slave_sides_presses_on_one_obstacle() {
 #[test]
 fn a_formula_of_the_gap_and_steps_of_time_move_the_plane() {
     let mut p = Problem::<2, 3>::new();
-    let body = Kind::Hexahedra.turned_box(([0.0; 3], [1.0, 1.0, 0.5]), &faying::linalg::Matrix::identity(), 1, [2, 2, 2]);
+    let body = Kind::Hexahedra.turned_box(([0.0; 3], [1.0, 1.0, 0.5]), &Matrix::identity(), 1, [2, 2, 2]);
     let block = Kind::Hexahedra.add(&mut p, "block", body, faying::physics::Hooke::solid(1.0, 0.0).unwrap());
     p.fix(block.side("w1"), Components::All).unwrap();
     let plane = HalfPlane::try_new(Vector::<3>::zeros(), Vector::<3>::z()).unwrap();
@@ -161,7 +178,7 @@ fn a_formula_of_the_gap_and_steps_of_time_move_the_plane() {
 fn reach_and_direction_limit_what_is_faced() {
     let problem = |reach: Option<f64>, center: [f64; 3], radius: f64| {
         let mut p = Problem::<2, 3>::new();
-        let body = Kind::Spline.turned_box(([0.0; 3], [1.0, 1.0, 0.5]), &faying::linalg::Matrix::identity(), 2, [8, 8, 2]);
+        let body = Kind::Spline.turned_box(([0.0; 3], [1.0, 1.0, 0.5]), &Matrix::identity(), 2, [8, 8, 2]);
         let block = Kind::Spline.add(&mut p, "block", body, steel());
         p.fix(block.side("w1"), Components::All).unwrap();
         let ball = Sphere::<3> { center: Vector::<3>::from(center), radius, inside: false };

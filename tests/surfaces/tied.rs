@@ -2,9 +2,10 @@
 
 use crate::bodies::{KINDS, Kind, steel, turns};
 use faying::coupling::Nitsche;
+use faying::coupling::multiplier::MultiplierKind;
 use faying::coupling::nitsche::Variant;
 use faying::linalg::{Matrix, Vector};
-use faying::problem::{BodyId, Derivatives, Exact, Point, Problem, Solution, TieId, Value};
+use faying::problem::{BodyId, Derivatives, Exact, Integration, Point, Problem, Solution, TieId, Value};
 
 /// u = G x.
 #[derive(Clone, Copy, Debug)]
@@ -32,18 +33,25 @@ struct Pair {
     kinds: [Kind; 2],
     swapped: bool,
     nitsche: bool,
+    rule: Integration,
+    dual: bool,
 }
 
 impl Pair {
     fn all() -> impl Iterator<Item = Self> {
         let pairs = KINDS.into_iter().flat_map(|a| KINDS.into_iter().map(move |b| [a, b]));
-        pairs.flat_map(|kinds| [false, true].map(|nitsche| Self { kinds, swapped: nitsche, nitsche }))
+        pairs.flat_map(|kinds| {
+            [false, true].map(|nitsche| Self { kinds, swapped: nitsche, nitsche, rule: Integration::Merged, dual: false })
+        })
     }
 
     fn tie(&self, p: &mut Problem<2, 3>, [lower, upper]: [BodyId; 2]) -> TieId {
         let (slave, master) = (upper.side("w0"), lower.side("w1"));
         let (slave, master) = if self.swapped { (master, slave) } else { (slave, master) };
-        let tie = p.tie(slave, master).unwrap();
+        let tie = p.tie(slave, master).unwrap().rule(self.rule);
+        if self.dual {
+            tie.multiplier(MultiplierKind::Dual);
+        }
         if self.nitsche {
             tie.coupling(Nitsche { factor: Nitsche::AUTO, variant: Variant::Symmetric });
         }
@@ -70,15 +78,36 @@ impl Pair {
     }
 }
 
-/// Stacked boxes under a linear displacement that is prescribed on all outer sides, the interface oblique in space.
 #[test]
 fn linear_fields_of_stacked_boxes_are_exact_for_all_pairs_of_cells() {
+    stacked_boxes(&[1, 2, 3], &Pair::all().collect::<Vec<_>>());
+}
+
+/// Constant multipliers are integrated exactly by the points of either side, where neither is rational.
+#[test]
+fn mixed_integration_keeps_linear_fields() {
+    let polynomial = |pair: &Pair| !pair.nitsche && !pair.kinds.contains(&Kind::Nurbs);
+    let pairs =
+        Pair::all().filter(polynomial).flat_map(|pair| [false, true].map(|swapped| Pair { swapped, rule: Integration::Mixed, ..pair }));
+    stacked_boxes(&[1, 2, 3], &pairs.collect::<Vec<_>>());
+}
+
+/// On all tensor cells, and on triangles of degree 1.
+#[test]
+fn dual_multipliers_keep_linear_fields() {
+    let dual = || Pair::all().filter(|pair| !pair.nitsche).map(|pair| Pair { dual: true, ..pair });
+    stacked_boxes(&[1], &dual().collect::<Vec<_>>());
+    stacked_boxes(&[2], &dual().filter(|pair| pair.kinds[1] != Kind::Tetrahedra).collect::<Vec<_>>());
+}
+
+/// Stacked boxes under a linear displacement that is prescribed on all outer sides, the interface oblique in space.
+fn stacked_boxes(degrees: &[usize], pairs: &[Pair]) {
     let gradient = Matrix::<3, 3>::new(0.3, -0.2, 0.5, 0.1, -0.4, 0.2, -0.6, 0.3, 0.7);
     let exact = Linear(gradient);
-    for degree in [1, 2, 3] {
+    for &degree in degrees {
         // the dearest ones in one direction only
         let turns = if degree == 2 { turns().to_vec() } else { vec![turns()[1]] };
-        for (k, pair) in Pair::all().enumerate() {
+        for (k, pair) in pairs.iter().enumerate() {
             let turn = &turns[k % turns.len()];
             let elements = if degree == 3 { [[2, 1, 1], [1, 2, 1]] } else { [[3, 2, 1], [2, 3, 1]] };
             let mut p = Problem::<2, 3>::new();

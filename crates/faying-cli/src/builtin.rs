@@ -1,8 +1,8 @@
 //! Entries of the registry that come with the program.
 
 use super::case::{self, Given};
-use super::registry::{Family, Fault, MakeMethod, MakeSolver, Names, Registry, Shaped};
-use super::shapes::PLANE_OBSTACLES;
+use super::registry::{Family, Fault, MakeMethod, MakeShaped, MakeSolver, Names, Registry, Shaped};
+use super::shapes::{PLANE_OBSTACLES, SPACE_OBSTACLES};
 use faying::constraint::{Augmented, Condensed, Direct, Krylov, Schur};
 use faying::contact::{self, Lagrange};
 use faying::coupling::multiplier::MultiplierKind;
@@ -16,9 +16,10 @@ impl<const S: usize, const N: usize> Names<S, N>
 where
     Trace<S, N>: Dimension<S, N>,
 {
-    /// The built-in names that both dimensions have: backends, methods of contact, multipliers, couplings, integrations.
-    fn of_both() -> Self {
+    /// The built-in names that both dimensions have: backends, methods of contact, multipliers, couplings, integrations; and obstacles that are `shaped`.
+    fn of_both(shaped: MakeShaped<S, N>) -> Self {
         let mut names = Self::empty();
+        names.shaped = Shaped(Some(shaped));
         names
             .backends
             .add("iga", Box::new(|spec| Ok(Box::new(Patch::<S, N>::try_new(spec)?))))
@@ -74,16 +75,14 @@ const HIGHEST_PAIRING: usize = 12;
 impl Names<1, 2> {
     /// The built-in names of the plane.
     pub fn plane() -> Self {
-        let mut names = Self::of_both();
-        names.shaped = Shaped(Some(PLANE_OBSTACLES));
-        names
+        Self::of_both(PLANE_OBSTACLES)
     }
 }
 
 impl Names<2, 3> {
     /// The built-in names of space.
     pub fn volume() -> Self {
-        Self::of_both()
+        Self::of_both(SPACE_OBSTACLES)
     }
 }
 

@@ -302,8 +302,8 @@ pub const CODES: &[Code] = &[
         "E064",
         3,
         "no such multiplier here",
-        "The multiplier does not exist on this side: p/p-2 needs degree 2, dual needs positive lumped weights, and in contact smooth splines of degree 3 and \
-         more have no dual functions where the master ends within an element. The message names what exists.",
+        "The multiplier does not exist on this side: p/p-2 needs degree 2, dual needs positive lumped weights (triangles of degree 2 have none at vertices), and in \
+         contact smooth splines of degree 3 and more, and surfaces, have no dual functions where the master ends within an element. The message names what exists.",
         "degree = 1\nmultiplier = \"p/p-2\"",
         "raise the degree of the slave, or use multiplier = \"auto\".",
     ),

@@ -23,7 +23,7 @@ pub use master_sums::MasterSums;
 pub use merged_curve::MergedCurve;
 pub use pairing::{MasterCurve, Partner, Partners, Tolerance, crossing};
 pub use slave::{SlaveRule, slave_segments};
-pub use surface::{MergedSurface, SlaveSurface};
+pub use surface::{MasterSurfaceSums, MergedSurface, SlaveSurface};
 
 /// Coverage of the slave side by a list of segments.
 #[derive(Clone, Debug, PartialEq)]

@@ -208,7 +208,8 @@ pub(super) fn known_here<const S: usize, T: Real>(basis: &dyn Basis<S, T>) -> Ve
         names.extend((1..=lowest).filter(|k| *k == 1 || k % 2 == 0).map(|k| format!("p/p-{k}")));
     }
     names.push("constant".into());
-    if offers_polynomials && S == 1 {
+    // vertices of triangles of degree 2 have no weight
+    if offers_polynomials && (!triangles || degree == 1) {
         names.push("dual".into());
     }
     names

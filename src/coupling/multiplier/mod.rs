@@ -5,7 +5,7 @@
 //! | `p/p` | the trace's own spline space, degree lowered by one at constrained ends |
 //! | `p/p-k` | degree p - k on the same breakpoints, knots kept with their multiplicity: regularity max(r - k, -1); on triangles continuous |
 //! | `constant` | one constant per element |
-//! | `dual` | biorthogonal to the functions of the trace, one each, none at constrained ends; in contact over the covered part; on curves |
+//! | `dual` | biorthogonal to the functions of the trace, one each, none at constrained ends; in contact over the covered part, on surfaces of whole elements; on triangles of degree 1 |
 //! | data | a degree, a continuity, and the treatment of the ends |
 //!
 //! A basis that offers no polynomials has `p/p` on its own functions and `constant`. What is special on surfaces is in [`build_on_surface`].
@@ -13,6 +13,7 @@
 mod constants;
 mod covered;
 mod dual;
+mod dual_surface;
 mod edges;
 mod end_lowered;
 mod error;
@@ -32,6 +33,7 @@ use std::sync::Arc;
 pub use constants::PiecewiseConstant;
 pub use covered::{CoveredDual, MOST, Reading, dual_covered};
 pub use dual::dual;
+pub use dual_surface::dual_on_surface;
 pub use end_lowered::end_lowered;
 pub use error::MultiplierError;
 pub use kind::{Ends, KNOWN, MultiplierKind, has_triangles, least_degree};

@@ -1,5 +1,6 @@
 //! Multiplier spaces on surfaces.
 
+use super::dual_surface::dual_surface;
 use super::edges::{ALL, Grid};
 use super::handed_on::handed_on;
 use super::kind::{functions_of, known_here, polynomials_of};
@@ -49,7 +50,8 @@ pub fn build_on_surface<const N: usize, T: Real>(
     let kind = kind.resolved(basis);
     let known = || known_here(basis).join(", ");
     if kind == MultiplierKind::Dual {
-        return Err(MultiplierError::NoDual { reason: "those of surfaces are not in this version".into(), known: known() });
+        let constrained: Vec<bool> = (0..basis.num_functions()).map(constrained).collect();
+        return dual_surface(space, &constrained);
     }
     let found = functions_of(space, kind)?;
     if !kind.lowers_ends(basis) {

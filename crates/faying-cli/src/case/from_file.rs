@@ -47,8 +47,8 @@ impl Reader {
         }
     }
 
-    /// Reads the file of a patch and fills in its parts. `curves`: spline patches of one parameter are accepted.
-    pub fn parts(&mut self, geometry: &mut Geometry, curves: bool) -> Option<FromFile> {
+    /// Reads the file of a patch and fills in its parts. `outlines`: curves in the plane and surfaces in space are accepted.
+    pub fn parts(&mut self, geometry: &mut Geometry, outlines: bool) -> Option<FromFile> {
         let at = geometry.shape.at;
         let Shape::File { file, id, group, refinement, .. } = &geometry.shape.value else { return None };
         let (file, id, group, refinement) = (file.clone(), id.clone(), group.clone(), refinement.clone());
@@ -63,7 +63,7 @@ impl Reader {
                     self.fault("E015", g.at, message, "write id to select a patch");
                     return None;
                 }
-                let made_of = (geometry.extrude.is_some(), curves);
+                let made_of = (geometry.extrude.is_some(), outlines);
                 self.spline_parts(&file, spline, id.as_ref(), refinement.as_ref(), made_of)?
             }
             Contents::Mesh(mesh) => {
@@ -100,7 +100,7 @@ impl Reader {
         Some(from)
     }
 
-    /// Reads the file of an obstacle: areas, or curves in the plane; `None` if the file has an error.
+    /// Reads the file of an obstacle: areas or curves in the plane, solids or surfaces in space; `None` if the file has an error.
     pub(super) fn obstacle_parts(&mut self, geometry: &mut Geometry) -> Option<()> {
         let Shape::File { file, .. } = &geometry.shape.value else { return Some(()) };
         if file.value.is_empty() {
@@ -115,7 +115,7 @@ impl Reader {
         spline: &SplineFile,
         id: Option<&Located<String>>,
         refinement: Option<&Located<String>>,
-        (extruded, curves): (bool, bool),
+        (extruded, outlines): (bool, bool),
     ) -> Option<(Vec<Arc<FilePart>>, FromFile)> {
         let chosen: Vec<usize> = match id {
             None => (0..spline.patches.len()).collect(),
@@ -135,7 +135,8 @@ impl Reader {
         for &k in &chosen {
             let patch = &spline.patches[k];
             let checked = match (n, extruded) {
-                (2, false) if curves && patch.dimension() == 1 => patch.net::<1, 2>().map(|_| ()),
+                (2, false) if outlines && patch.dimension() == 1 => patch.net::<1, 2>().map(|_| ()),
+                (3, false) if outlines && patch.dimension() == 2 => patch.net::<2, 3>().map(|_| ()),
                 (2, _) | (3, true) => patch.net::<2, 2>().map(|_| ()),
                 _ => patch.net::<3, 3>().map(|_| ()),
             };

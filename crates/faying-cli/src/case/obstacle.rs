@@ -23,7 +23,7 @@ impl Reader {
         }
         let shape = match added.iter().find(|entry| entry.name == kind) {
             Some(entry) => ObstacleShape::Entry { kind: entry.name.clone(), given: self.given(&mut b, &entry.keys)? },
-            None => self.obstacle_shape(&mut b, kind, at, plane)?,
+            None => self.obstacle_shape(&mut b, kind, at)?,
         };
         let n = self.dimension;
         let mut motion = |key: &str| match b.node(key).cloned() {
@@ -40,7 +40,7 @@ impl Reader {
         Some((Obstacle { shape: Located::new(shape, at), translate, force }, b.finish()))
     }
 
-    fn obstacle_shape(&mut self, b: &mut Block, kind: &str, at: crate::place::SourceSpan, plane: bool) -> Option<ObstacleShape> {
+    fn obstacle_shape(&mut self, b: &mut Block, kind: &str, at: crate::place::SourceSpan) -> Option<ObstacleShape> {
         let axis = |r: &mut Self, b: &Block| {
             let v = r.required_vector(b, "axis");
             r.unit(v, "axis")
@@ -83,8 +83,9 @@ impl Reader {
                 ObstacleShape::LevelSet { f: f?, along }
             }
             _ => {
-                let curve = kind == "nurbs" && plane && b.node("knots").is_some_and(is_curve);
-                let shape = if curve { self.nurbs_of(b, 1) } else { self.shape(b, kind) };
+                let n = self.dimension - 1;
+                let boundary = kind == "nurbs" && b.node("knots").is_some_and(|knots| directions(knots) == n);
+                let shape = if boundary { self.nurbs_of(b, n) } else { self.shape(b, kind) };
                 let mut geometry = Geometry {
                     shape: Located::new(shape, at),
                     extrude: None,
@@ -113,10 +114,10 @@ impl Reader {
     }
 }
 
-/// Whether knots are those of a curve: one list of numbers, or a list of one list.
-fn is_curve(knots: &Node) -> bool {
+/// Number of directions of knots: a list of numbers has one, lists have one each.
+fn directions(knots: &Node) -> usize {
     match &knots.value {
-        Value::List(list) => list.len() == 1 || !list.iter().any(|item| matches!(item.value, Value::List(_))),
-        _ => true,
+        Value::List(list) if list.iter().any(|item| matches!(item.value, Value::List(_))) => list.len(),
+        _ => 1,
     }
 }

@@ -7,3 +7,6 @@ pub mod mortar_theory {}
 
 #[doc = include_str!("03_contact.md")]
 pub mod contact {}
+
+#[doc = include_str!("04_surfaces.md")]
+pub mod surfaces {}

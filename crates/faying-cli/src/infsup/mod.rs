@@ -3,19 +3,19 @@
 mod slave_spaces;
 
 use super::quantities::{Quantity, QuantityKind, undecided};
-use super::registry::Registry;
+use super::registry::{Names, Registry};
 use super::result::{CheckReport, ProbeReport, RunResult, Status};
 use super::run::{MemoryLimit, end_early, too_large};
 use super::run_control::RunControl;
-use super::shapes::plane_net;
+use super::shapes::{MakeControlNet, plane_net, solid_net};
 use super::studies::{Method, Row, decided};
-use crate::case::{Case, Multiplier, Tie};
+use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, Diagnostics};
-use crate::place::SourceSpan;
 use crate::table::{decimals, short};
 use faying::coupling::inf_sup::{InfSup, InfSupError, Measure, Norm, Question, ZERO, degree_exponent, inf_sup, slope, verdict};
 use faying::linalg::LinearError;
-use faying::problem::SlaveEnds;
+use faying::problem::{InterfaceSide, SlaveEnds};
+use faying::space::Trace;
 use slave_spaces::{SlaveSpaces, slave_spaces};
 
 /// Options of the inf-sup test.
@@ -42,9 +42,9 @@ pub struct Constant {
     pub pairing: Option<String>,
     /// Number of elements of the side.
     pub elements: usize,
-    /// Constant measured by the length of the side, with sizes of the spaces.
+    /// Constant measured by the length (area) of the side, with sizes of the spaces.
     pub found: InfSup,
-    /// Constant measured in the parameter of the side.
+    /// Constant measured in the parameters of the side.
     pub parametric: f64,
 }
 
@@ -64,21 +64,26 @@ pub struct Constant {
 /// # Ok::<(), faying_cli::Diagnostics>(())
 /// ```
 pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watch: &RunControl) -> Result<Vec<Constant>, Diagnostics> {
-    if let Some(fault) = too_large(case, plane_net, MemoryLimit::least(watch.max_memory), true).filter(|_| case.model.dimension.value == 2)
-    {
+    match case.model.dimension.value {
+        2 => of_sides(case, &registry.plane, plane_net, options, watch),
+        _ => of_sides(case, &registry.volume, solid_net, options, watch),
+    }
+}
+
+fn of_sides<const S: usize, const N: usize>(
+    case: &Case,
+    names: &Names<S, N>,
+    net: MakeControlNet<N>,
+    options: &InfSupOptions,
+    watch: &RunControl,
+) -> Result<Vec<Constant>, Diagnostics>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
+    if let Some(fault) = too_large(case, net, MemoryLimit::least(watch.max_memory), true) {
         return Err(fault.into());
     }
-    let spaces = match case.model.dimension.value {
-        2 => slave_spaces(case, &registry.plane, plane_net, options.ends)?,
-        _ => match on_surface(case, registry) {
-            Some(at) => {
-                let fault = Diagnostic::error("E019", "inf-sup constants of surfaces are not in this version").at(&case.source, at);
-                let help = "on sides of tensor cells they are the products of those of the two directions: take a plane model of each";
-                return Err(fault.with_help(help).into());
-            }
-            None => Vec::new(),
-        },
-    };
+    let spaces = slave_spaces(case, names, net, options.ends)?;
     if spaces.is_empty() {
         let fault = Diagnostic::error("E063", "infsup needs an interface or a contact with a multiplier, and the case has none");
         return Err(fault.with_help("add [[interface]] with slave and master").in_file(&case.source.name).into());
@@ -93,15 +98,7 @@ pub fn constants(case: &Case, registry: &Registry, options: &InfSupOptions, watc
     Ok(out)
 }
 
-/// Place of the first interface or contact in space that has a multiplier.
-fn on_surface(case: &Case, registry: &Registry) -> Option<SourceSpan> {
-    let couplings = &registry.volume.couplings;
-    let has_rows = |tie: &&Tie| couplings.get(&tie.coupling.value).is_ok_and(|c| (c.make)(&tie.given).is_ok_and(|made| made.has_rows()));
-    let tie = case.interfaces.iter().find(has_rows).map(|tie| tie.head.at);
-    tie.or_else(|| case.contacts.iter().find(|c| c.needs.multiplier).map(|c| c.head.at))
-}
-
-fn constant(s: &SlaveSpaces, options: &InfSupOptions) -> Result<Constant, InfSupError> {
+fn constant<const S: usize, const N: usize>(s: &SlaveSpaces<S, N>, options: &InfSupOptions) -> Result<Constant, InfSupError> {
     let space = &*s.spaces.side.trace().space;
     let by = |measure| {
         inf_sup(space, &s.spaces.functions, &*s.spaces.multiplier, &Question { measure, norm: options.norm, ..Question::default() })
@@ -118,7 +115,7 @@ fn constant(s: &SlaveSpaces, options: &InfSupOptions) -> Result<Constant, InfSup
     })
 }
 
-fn fault(case: &Case, s: &SlaveSpaces, error: &InfSupError) -> Diagnostic {
+fn fault<const S: usize, const N: usize>(case: &Case, s: &SlaveSpaces<S, N>, error: &InfSupError) -> Diagnostic {
     let code = match error {
         InfSupError::Elements { .. } | InfSupError::Empty => "E064",
         InfSupError::Linear(LinearError::Memory) => "E081",

@@ -7,33 +7,37 @@ use crate::registry::Names;
 use crate::shapes::MakeControlNet;
 use crate::text_format::component_name;
 use faying::coupling::multiplier::MultiplierKind;
-use faying::problem::{SlaveEnds, SlaveSpace};
+use faying::problem::{InterfaceSide, SlaveEnds, SlaveSpace};
+use faying::space::Trace;
 
 /// The spaces of one scalar problem on one slave side, in the words of the case.
 #[derive(Debug)]
-pub(super) struct SlaveSpaces {
+pub(super) struct SlaveSpaces<const S: usize, const N: usize> {
     /// The interface or contact.
     pub name: String,
     /// Component: "x", "y", "u"; "normal" for contacts.
     pub component: &'static str,
     /// Name of the multiplier, with `auto` resolved; `None` if it is given by data.
     pub pairing: Option<String>,
-    /// Lengths of the elements in the parameter of the side, as fractions of the whole; equal if it has no parameter.
+    /// Lengths (areas) of the elements in the parameters of the side, as fractions of the whole; equal if it has none.
     pub shares: Vec<f64>,
     /// The spaces.
-    pub spaces: SlaveSpace,
+    pub spaces: SlaveSpace<S, N>,
 }
 
 /// Builds the spaces of every slave side and component of `case`, in its order. No segments, no rows, no bulk integrals.
 ///
 /// # Errors
 /// All errors of the bodies, sides and multipliers, with their source locations.
-pub(super) fn slave_spaces(
+pub(super) fn slave_spaces<const S: usize, const N: usize>(
     case: &Case,
-    names: &Names<1, 2>,
-    net: MakeControlNet<2>,
+    names: &Names<S, N>,
+    net: MakeControlNet<N>,
     ends: SlaveEnds,
-) -> Result<Vec<SlaveSpaces>, Diagnostics> {
+) -> Result<Vec<SlaveSpaces<S, N>>, Diagnostics>
+where
+    Trace<S, N>: InterfaceSide<S, N>,
+{
     let stated = stated(case, names, net)?;
     let found = stated.problem.slave_spaces(ends).map_err(|errors| {
         let mut faults: Vec<Diagnostic> = Vec::new();
@@ -45,7 +49,7 @@ pub(super) fn slave_spaces(
         Diagnostics { items: faults }
     })?;
     let components = case.model.components();
-    let of = |spaces: SlaveSpace| {
+    let of = |spaces: SlaveSpace<S, N>| {
         let block = stated.places.said(spaces.of).and_then(|said| said.block)?;
         let (name, multiplier) = match spaces.component {
             Some(_) => (&case.interfaces[block].name.value, &case.interfaces[block].multiplier),
@@ -67,12 +71,22 @@ pub(super) fn slave_spaces(
     Ok(found.into_iter().filter_map(of).collect())
 }
 
-/// Lengths of the elements of a side in its parameter, as fractions of the whole, in their order; `None` for meshes.
-fn shares(context: &LowerContext<'_, 1, 2>, patch: usize, side: &str, net: MakeControlNet<2>) -> Option<Vec<f64>> {
+/// Lengths (areas) of the elements of a side in its parameters, as fractions of the whole, in their order; `None` for meshes.
+fn shares<const S: usize, const N: usize>(
+    context: &LowerContext<'_, S, N>,
+    patch: usize,
+    side: &str,
+    net: MakeControlNet<N>,
+) -> Option<Vec<f64>> {
     let patch = &context.case.patches[patch];
     let spec = specification(context, patch, net).ok()??;
-    let across = ["u0", "u1", "v0", "v1"].iter().position(|name| *name == side)? / 2;
-    let points = &spec.breakpoints[1 - across];
-    let length = points.last()? - points.first()?;
-    Some(points.windows(2).map(|p| (p[1] - p[0]) / length).collect())
+    let across = ["u0", "u1", "v0", "v1", "w0", "w1"].iter().position(|name| *name == side)? / 2;
+    let mut all = vec![1.0];
+    for axis in (0..N).filter(|axis| *axis != across) {
+        let points = &spec.breakpoints[axis];
+        let length = points.last()? - points.first()?;
+        // the first direction runs fastest
+        all = points.windows(2).flat_map(|p| all.iter().map(move |share| share * (p[1] - p[0]) / length)).collect();
+    }
+    Some(all)
 }

@@ -6,7 +6,7 @@ use crate::errors::Diagnostic;
 use crate::formula::Point;
 use crate::place::{Located, SourceSpan};
 use crate::registry::{Fault, ObstacleAtTime};
-use crate::shapes::{is_closed, is_curve};
+use crate::shapes::{is_boundary, is_closed};
 use crate::text_format::short;
 use faying::contact::{Cylinder, HalfPlane, LevelSet, Sphere, Torus};
 use faying::linalg::Vector;
@@ -83,9 +83,8 @@ fn at_rest<const S: usize, const N: usize>(
         }
         ObstacleShape::Geometry(geometry) => {
             let Some(make) = context.names.shaped.0 else {
-                let text = format!("an obstacle of kind {} is not in this version in space", obstacle.shape.value.kind());
-                let help = "half-plane, sphere, cylinder, torus and level-set are there";
-                return Err(Box::new(context.error("E019", text, obstacle.shape.at).with_help(help)));
+                let text = format!("the names of this program have no obstacle of kind {}", obstacle.shape.value.kind());
+                return Err(Box::new(context.error("E019", text, obstacle.shape.at)));
             };
             let surface = make(geometry).map_err(|fault: Fault| {
                 Box::new(context.error(fault.code, format!("the obstacle of contact \"{name}\": {}", fault.message), at))
@@ -130,7 +129,7 @@ pub(super) fn turned_away<const S: usize, const N: usize>(
         Some(TurnedAway::SameWay) => {
             let (label, name) = (slave.label(), &contact.name.value);
             let text = format!("`{label}` and the obstacle of contact \"{name}\" look the same way: the body is on the wrong side of it");
-            Box::new(context.error("E023", text, obstacle.at).with_help(way_round(&obstacle.shape.value)))
+            Box::new(context.error("E023", text, obstacle.at).with_help(way_round::<N>(&obstacle.shape.value)))
         }
         None => plain,
     }
@@ -158,21 +157,25 @@ pub(super) fn turned_round<const S: usize, const N: usize>(
 }
 
 /// Change of a case that turns an obstacle round.
-fn way_round(shape: &ObstacleShape) -> &'static str {
+fn way_round<const N: usize>(shape: &ObstacleShape) -> &'static str {
     match shape {
         ObstacleShape::HalfPlane { .. } => "`normal` points out of the obstacle: change its sign",
         ObstacleShape::Sphere { .. } => "`inside = true` is for bodies inside of the circle, `inside = false` for those outside",
         ObstacleShape::LevelSet { .. } => "`f` is positive outside of the obstacle, and `along` points out of it: change the sign",
         ObstacleShape::Cylinder { .. } | ObstacleShape::Torus { .. } => "the obstacle is the inside: bodies lie outside of it",
-        ObstacleShape::Geometry(g) if is_curve(g) => {
+        ObstacleShape::Geometry(g) if N == 3 && is_boundary(g, N) => {
+            "the normal t_u x t_v of an open surface points out of the obstacle, exchange its directions u and v; of a closed one the obstacle \
+             is the inside"
+        }
+        ObstacleShape::Geometry(g) if is_boundary(g, N) => {
             "the obstacle lies to the right of its curve: reverse the order of the points and weights, and mirror the knots"
         }
         _ => "choose the side of the body that faces the obstacle",
     }
 }
 
-/// E023 if the body of a slave side lies as a whole in an obstacle with the outline of a curve: that has the wrong way round. Of open
-/// curves that a force presses it may lie behind them.
+/// E023 if the body of a slave side lies as a whole in an obstacle behind a curve or a surface: that has the wrong way round. Of open
+/// ones that a force presses it may lie behind them.
 pub(super) fn swallowed<const S: usize, const N: usize>(
     context: &LowerContext<'_, S, N>,
     contact: &case::Contact,
@@ -183,10 +186,10 @@ pub(super) fn swallowed<const S: usize, const N: usize>(
     let (case::Master::Rigid(obstacle), InterfaceId::Contact(id)) = (&contact.master, of) else { return None };
     let ObstacleShape::Geometry(geometry) = &obstacle.shape.value else { return None };
     let is_pressed = obstacle.force.iter().any(Option::is_some);
-    if !is_curve(geometry) || is_pressed && !is_closed(geometry) || !problem.is_swallowed(id, number) {
+    if !is_boundary(geometry, N) || is_pressed && !is_closed(geometry) || !problem.is_swallowed(id, number) {
         return None;
     }
     let (slave, _) = problem.slave_and_masters(of.into(), number)?;
     let text = format!("the body of `{}` lies inside of the obstacle of contact \"{}\"", slave.label(), contact.name.value);
-    Some(context.error("E023", text, obstacle.at).with_help(way_round(&obstacle.shape.value)))
+    Some(context.error("E023", text, obstacle.at).with_help(way_round::<N>(&obstacle.shape.value)))
 }

@@ -39,6 +39,12 @@ pub struct SegmentsReport {
     pub count: usize,
     /// Their measure on the slave side [length^(N-1)].
     pub measure: f64,
+    /// Between surfaces the largest distance of a point from the cell of its master element, in local coordinates: where sides are kinked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outside: Option<f64>,
+    /// Between surfaces the number of slave elements that the pieces do not tile though the master does not end there.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost: Option<usize>,
 }
 
 /// The multiplier space of an interface or a contact, all its slave sides and components together.

@@ -121,7 +121,7 @@ pub fn fill<const S: usize, const N: usize>(
         match of.id() {
             InterfaceId::Tie(tie) => {
                 let (Some(report), Ok(found)) = (ties.next(), solution.tie(tie)) else { continue };
-                *report = interface_report(std::mem::take(report), found);
+                *report = interface_report::<N>(std::mem::take(report), found);
             }
             InterfaceId::Contact(contact) => {
                 let (Some(report), Ok(found)) = (contacts.next(), solution.contact(contact)) else { continue };
@@ -159,7 +159,7 @@ fn contact_report<const N: usize>(result: ContactResult<N>, iterations: usize) -
         active: result.active,
         kkt: Kkt { lambda, gap, product },
         sign_cases: result.sign_cases,
-        segments: SegmentsReport { count: result.pieces, measure: result.measure },
+        segments: segments::<N>([result.pieces, result.lost], result.measure, result.outside, result.displacement.is_none()),
         half_width,
         reason,
         iterations,
@@ -188,9 +188,15 @@ fn tied<const S: usize, const N: usize>(tie: &InterfaceView<'_, S, N>) -> Interf
     report
 }
 
-fn interface_report(report: InterfaceReport, result: TieResult) -> InterfaceReport {
+/// Pieces and lost elements; what is told of surfaces is left out in the plane and against obstacles.
+fn segments<const N: usize>([count, lost]: [usize; 2], measure: f64, outside: f64, of_bodies: bool) -> SegmentsReport {
+    let told = N == 3 && of_bodies;
+    SegmentsReport { count, measure, outside: told.then_some(outside), lost: told.then_some(lost) }
+}
+
+fn interface_report<const N: usize>(report: InterfaceReport, result: TieResult) -> InterfaceReport {
     InterfaceReport {
-        segments: SegmentsReport { count: result.pieces, measure: result.area },
+        segments: segments::<N>([result.pieces, result.lost], result.area, result.outside, true),
         lambda: Norm { norm: result.multiplier },
         jump: L2 { l2: result.jump },
         consistency: result.consistency,

@@ -6,9 +6,9 @@ use super::plane::{placed_in_plane, plane_shape};
 use super::points::placed_points;
 use crate::case::{FilePart, Geometry, Shape};
 use crate::registry::{Fault, MakeShaped};
-use faying::contact::{OutlinePiece, Surface, area_outline, curve_outline, without_seams};
+use faying::contact::{OutlinePiece, Surface, body_outline, curve_outline, without_seams};
 use faying::geometry::ControlNet;
-use faying::space::{BasisKind, Body, Mapping, Mesh, MeshCells, Patch, PatchSpec};
+use faying::space::{BasisKind, Body, Dimension, Mapping, Mesh, MeshCells, Patch, PatchSpec, Trace};
 use std::sync::Arc;
 
 /// Ends of a curve nearer than this share of its size are one.
@@ -36,14 +36,14 @@ fn plane_outline(geometry: &Geometry) -> Result<Vec<OutlinePiece>, Fault> {
         Shape::Nurbs { degree, knots, points, weights } if knots.len() == 1 => {
             curve(placed_in_plane(nurbs(&degree.value, knots, &points.value, weights.as_ref())?, geometry))
         }
-        _ if parts.is_empty() => Ok(without_seams(area(placed_in_plane(plane_shape(shape)?, geometry))?)),
+        _ if parts.is_empty() => Ok(without_seams(of_net(placed_in_plane(plane_shape(shape)?, geometry))?)),
         _ => {
             let mut all = Vec::new();
             for part in parts {
                 all.extend(match part {
                     FilePart::Spline(patch) if curves > 0 => curve(placed_in_plane(patch.net::<1, 2>()?, geometry))?,
-                    FilePart::Spline(patch) => area(placed_in_plane(patch.net::<2, 2>()?, geometry))?,
-                    mesh => cells(mesh, geometry)?,
+                    FilePart::Spline(patch) => of_net(placed_in_plane(patch.net::<2, 2>()?, geometry))?,
+                    mesh => of_cells(mesh, geometry)?,
                 });
             }
             Ok(if curves > 0 { all } else { without_seams(all) })
@@ -55,11 +55,12 @@ fn of_one_parameter(part: &FilePart) -> bool {
     part.spline().is_some_and(|p| p.dimension() == 1)
 }
 
-/// Whether a geometry is a curve, with the obstacle to its right.
-pub(crate) fn is_curve(geometry: &Geometry) -> bool {
+/// Whether a geometry has one parameter less than the space of `n` dimensions: a curve with the obstacle to its right, a surface with the
+/// obstacle behind it.
+pub(crate) fn is_boundary(geometry: &Geometry, n: usize) -> bool {
     match &geometry.shape.value {
-        Shape::Nurbs { knots, .. } => knots.len() == 1,
-        Shape::File { parts, .. } => parts.iter().any(|p| of_one_parameter(p)),
+        Shape::Nurbs { knots, .. } => knots.len() + 1 == n,
+        Shape::File { parts, .. } => parts.iter().any(|p| p.spline().is_some_and(|p| p.dimension() + 1 == n)),
         _ => false,
     }
 }
@@ -77,25 +78,31 @@ pub(crate) fn is_closed(geometry: &Geometry) -> bool {
     }
 }
 
-/// Outline of an area: its boundary.
-fn area(net: ControlNet<2, 2>) -> Result<Vec<OutlinePiece>, Fault> {
+/// Outline of an area or a solid: its boundary.
+pub(super) fn of_net<const S: usize, const N: usize>(net: ControlNet<N, N>) -> Result<Vec<OutlinePiece<S, N>>, Fault>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
     // only the map is needed, which is the same for all degrees
-    let mut spec = PatchSpec::new(net).with_degree([1, 1]);
+    let mut spec = PatchSpec::new(net).with_degree([1; N]);
     spec.basis = BasisKind::BSpline;
-    let patch = Patch::<1, 2>::try_new(&spec)?;
-    area_outline(&patch, patch.sides()).map_err(|e| Fault::new("E041", e.to_string()))
+    let patch = Patch::<S, N>::try_new(&spec)?;
+    body_outline(&patch, patch.sides()).map_err(|e| Fault::new("E041", e.to_string()))
 }
 
 /// Outline of the cells of a mesh: their boundary.
-fn cells(part: &FilePart, geometry: &Geometry) -> Result<Vec<OutlinePiece>, Fault> {
-    let Some(found) = part.cells::<2>() else {
-        return Err(Fault::new("E044", "the cells of the mesh are not of dimension 2"));
+pub(super) fn of_cells<const S: usize, const N: usize>(part: &FilePart, geometry: &Geometry) -> Result<Vec<OutlinePiece<S, N>>, Fault>
+where
+    Trace<S, N>: Dimension<S, N>,
+{
+    let Some(found) = part.cells::<N>() else {
+        return Err(Fault::new("E044", format!("the cells of the mesh are not of dimension {N}")));
     };
     let points = placed_points(&found.points, geometry).map_err(|text| Fault::new("E015", text))?;
     // one side: all facets that no two cells share
     let cells = MeshCells { points, tags: Vec::new(), ..found };
-    let mesh = Mesh::<1, 2>::from_cells(&cells, 1, Mapping::Exact).map_err(|error| mesh_fault(error, Some(part), 0))?;
-    area_outline(&mesh, mesh.untagged().map(str::to_owned)).map_err(|e| Fault::new("E041", e.to_string()))
+    let mesh = Mesh::<S, N>::from_cells(&cells, 1, Mapping::Exact).map_err(|error| mesh_fault(error, Some(part), 0))?;
+    body_outline(&mesh, mesh.untagged().map(str::to_owned)).map_err(|e| Fault::new("E041", e.to_string()))
 }
 
 /// Outline of the obstacle to the right of a curve.

@@ -41,6 +41,14 @@ pub fn solid_net(geometry: &Geometry) -> Result<ControlNet<3, 3>, Fault> {
         (Ok(Some(net)), None) => net,
         (Err(fault), None) => return Err(fault),
     };
+    placed_in_space(net, geometry)
+}
+
+/// Scales, rotates and translates a net in space as `geometry` says.
+///
+/// # Errors
+/// E015 for a rotation without an axis.
+pub(super) fn placed_in_space<const D: usize>(net: ControlNet<D, 3>, geometry: &Geometry) -> Result<ControlNet<D, 3>, Fault> {
     let turn = match &geometry.rotate_deg {
         None => None,
         Some(degrees) => {

@@ -536,19 +536,6 @@ fn e019_known_but_not_in_this_version() {
         fails(&with(from, to), "E019", &format!("{what} is not in this version"), at);
     };
     later("slave =", "friction = 0.3\nslave =", "`friction`", "friction");
-    let volume = BASE
-        .replace("dimension = 2", "dimension = 3")
-        .replace("[0, 0]", "[0, 0, 0]")
-        .replace("[1, 0.5]", "[1, 1, 0.5]")
-        .replace("[0, 0.5]", "[0, 0, 0.5]")
-        .replace("[1, 1]", "[1, 1, 1]")
-        .replace("[4, 2]", "[4, 4, 2]")
-        .replace("[3, 2]", "[3, 3, 2]");
-    let volume = volume.split("[[probe]]").next().unwrap();
-    for block in ["[[interface]]", "[[contact]]"] {
-        let mixed = volume.replace("[[contact]]", &format!("{block}\nintegration = \"mixed\""));
-        fails(&mixed, "E019", "integration = \"mixed\" between surfaces is not in this version", "\"mixed\"");
-    }
 }
 
 /// Every key of the contract that is not built (line before it, the key with a value, what is said), and the values that ask for

@@ -22,4 +22,5 @@ mod one_factor;
 mod opposed;
 mod own_entries;
 mod revolution;
+mod shaped_in_space;
 mod thin;

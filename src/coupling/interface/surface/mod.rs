@@ -14,6 +14,7 @@ mod chart;
 mod clip;
 mod element;
 mod facets;
+mod master_sums;
 mod owner;
 mod parts;
 mod piece;
@@ -32,6 +33,7 @@ use crate::geometry::Geometry;
 use element::Sides;
 use rayon::prelude::*;
 
+pub use master_sums::MasterSurfaceSums;
 pub use slave::SlaveSurface;
 
 /// Gauss points on the regions that elements of both sides share.

@@ -5,7 +5,7 @@ use super::polygon::Polygon;
 use super::skeleton::Skeleton;
 use crate::basis::Order;
 use crate::coupling::CouplingError;
-use crate::geometry::{Bounds, ClosestPoint, Geometry, MapTable, Projection, unit_normal};
+use crate::geometry::{Bounds, ClosestPoint, Geometry, MapTable, Projection, foot_step, unit_normal};
 use crate::linalg::{Matrix, Vector, inverse};
 
 /// Newton steps of a foot; quadratic convergence needs about five.
@@ -18,8 +18,6 @@ const TOUCHES: f64 = 1e-7;
 const FAR_OUTSIDE: f64 = 1e-3;
 /// Closest points this near to the boundary of their cell, in local coordinates, are on it.
 const AT_EDGE: f64 = 1e-9;
-/// Share of JᵀJ below which the second derivatives are left out: beyond the centre of curvature.
-const LEAST_SLOPE: f64 = 0.1;
 
 /// Facets, skeleton and closest points of the master.
 #[derive(Debug)]
@@ -151,7 +149,7 @@ impl<'a> MasterSurface<'a> {
             let (mut largest, mut squares) = (0.0f64, true);
             for (q, eta) in eta.iter_mut().enumerate() {
                 let (r, j) = (x[q] - table.x[q], table.jacobian[q]);
-                let (step, newton) = step(&r, &j, table.hessian.get(q));
+                let (step, newton) = foot_step(&r, &j, table.hessian.get(q));
                 let next = self.limited(f, *eta + step);
                 let moved = next - *eta;
                 feet[q] = Foot { eta: next, x: table.x[q] + j * moved, found: step.amax() <= 1e-8 };
@@ -175,20 +173,4 @@ impl<'a> MasterSurface<'a> {
             _ => eta,
         }
     }
-}
-
-/// A Newton step of |x - x_m|² / 2, at most 0.5, and whether it has second derivatives: those that leave it convex.
-fn step(r: &Vector<3>, j: &Matrix<3, 2>, hessian: Option<&[Matrix<2, 2>; 3]>) -> (Vector<2>, bool) {
-    let gauss = j.tr_mul(j);
-    let mut full = gauss;
-    if let Some(hessian) = hessian {
-        for c in 0..3 {
-            full -= hessian[c] * r[c];
-        }
-    }
-    let rest = full - gauss * LEAST_SLOPE;
-    let convex = rest[(0, 0)] > 0.0 && rest[(0, 0)] * rest[(1, 1)] > rest[(0, 1)] * rest[(1, 0)];
-    let step = inverse(if convex { &full } else { &gauss }).map_or_else(Vector::zeros, |inv| inv * j.tr_mul(r));
-    let length = step.amax();
-    (if length > 0.5 { step * (0.5 / length) } else { step }, convex && hessian.is_some())
 }

@@ -25,6 +25,17 @@ fn all_pairs_of_cells_keep_linear_fields_with_mortar_and_nitsche() {
 }
 
 #[test]
+fn mixed_integration_keeps_linear_fields() {
+    for (k, kinds) in [[0, 2], [2, 3], [3, 0], [3, 3]].into_iter().enumerate() {
+        let result = run(&stacked(k % 2 == 0, kinds.map(|kind| KINDS[kind]), 1 + k % 2, "integration = \"mixed\""), &[]);
+        for name in ["error.u.L2", "error.u.H1", "error.seam.lambda.L2"] {
+            let found = error(&result, name);
+            assert!(found < EXACT, "{name} {found:e}: {kinds:?}");
+        }
+    }
+}
+
+#[test]
 fn multipliers_by_name_and_by_data_hold_constant_tractions() {
     for (kind, degree, multiplier, functions) in [
         (0, 2, "\"p/p\"", None),
@@ -34,6 +45,9 @@ fn multipliers_by_name_and_by_data_hold_constant_tractions() {
         (0, 3, "{ degree = 1, continuity = 0, ends = \"full\" }", Some(3 * 3 * 4)),
         (3, 3, "\"p/p-2\"", Some(3 * 3 * 4)),
         (3, 1, "\"p/p\"", None),
+        (0, 2, "\"dual\"", None),
+        (2, 2, "\"dual\"", None),
+        (3, 1, "\"dual\"", None),
     ] {
         let result = run(&stacked(false, [KINDS[0], KINDS[kind]], degree, &format!("multiplier = {multiplier}")), &[]);
         let (u, lambda) = (error(&result, "error.u.L2"), error(&result, "error.seam.lambda.L2"));

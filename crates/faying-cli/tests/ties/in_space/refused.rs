@@ -2,7 +2,6 @@
 
 use super::{KINDS, stacked};
 use faying_cli::case::ReadOptions;
-use faying_cli::infsup::{InfSupOptions, constants};
 use faying_cli::run::check;
 use faying_cli::{Case, Diagnostic, Registry, RunControl, RunOptions, Severity};
 
@@ -53,11 +52,9 @@ fn names_and_roles() {
 }
 
 #[test]
-fn rules_and_multipliers_that_surfaces_do_not_have() {
-    let (fault, line) = refused(&with(&[("\"merged\"", "\"mixed\"")]));
-    assert!(fault.code == "E019" && fault.message.contains("between surfaces") && line.starts_with("integration"), "{fault:?}");
-    let (fault, line) = refused(&with(&[("integration = \"merged\"", "multiplier = \"dual\"")]));
-    assert!(fault.code == "E064" && line.starts_with("multiplier"), "{fault:?}");
+fn multipliers_that_surfaces_do_not_have() {
+    let (fault, line) = refused(&stacked(false, [KINDS[0], KINDS[3]], 2, "multiplier = \"dual\""));
+    assert!(fault.code == "E064" && fault.message.contains("lumped weight") && line.starts_with("multiplier"), "{fault:?}");
     let simplex = stacked(false, [KINDS[0], KINDS[3]], 2, "multiplier = \"p/p-2\"");
     let (fault, line) = refused(&simplex);
     assert!(fault.code == "E064" && fault.message.contains("p/p-1") && line.starts_with("multiplier"), "{fault:?}");
@@ -67,10 +64,7 @@ fn rules_and_multipliers_that_surfaces_do_not_have() {
 }
 
 #[test]
-fn constants_of_inf_sup_and_quantities() {
-    let case = Case::parse("case.toml", &with(&[]), &ReadOptions::default()).unwrap();
-    let found = constants(&case, &Registry::default(), &InfSupOptions::default(), &RunControl::default()).expect_err("not in this version");
-    assert!(found.items[0].code == "E019" && found.items[0].line.is_some(), "{found}");
+fn quantities() {
     let asked = |quantity: &str| refused(&(with(&[]) + &format!("[[probe]]\nname = \"q\"\nquantity = \"{quantity}\"\n")));
     assert_eq!(asked("interface.seam.lambda at [0, 0, 0]").0.code, "E018");
     assert_eq!(asked("interface.seam.lambda.x at [5, 5, 5]").0.code, "E022");

@@ -112,6 +112,7 @@ fn the_same_problem_in_rust_has_the_same_numbers() {
     assert_eq!(case.probes[0].value, solution.at(upper, &[0.4, 0.3, 0.2]).unwrap().u[0]);
     let (found, own) = (case.interface.get("seam").unwrap(), solution.tie(seam).unwrap());
     assert_eq!((found.lambda.norm, found.jump.l2, found.segments.count), (own.multiplier, own.jump, own.pieces));
+    assert_eq!((found.segments.outside, found.segments.lost), (Some(own.outside), Some(0)));
     // u = 1.5 (z + 0.5)/1.1: a flux of 2 * 1.5/1.1
     assert!((own.force[0].abs() - 0.8 * 3.0 / 1.1).abs() < 1e-9, "{:?}", own.force);
 }

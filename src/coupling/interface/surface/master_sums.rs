@@ -1,0 +1,165 @@
+//! Master-side sums of surfaces: the master's own Gauss points, each with the slave point that faces it along the master's normal.
+//!
+//! A master point x_m with tangents J_m faces the slave point whose closest point it is, Jₘᵀ (x_s(xi) - x_m(eta)) = 0; differentiating gives
+//! the slave's measure in the master's coordinates, with the second derivatives H of the master:
+//!
+//! ```text
+//! dxi/deta = B⁻¹ A,   A = Jₘᵀ Jₘ - sum_c (x_s - x_m)_c H_c,   B = Jₘᵀ J_s,   ds = |t_1 x t_2|_s |det A / det B| deta
+//! ```
+//!
+//! so the sums tend to the same integrals over the slave as slave-side and merged ones. What faces what is told by merged integration: an
+//! element that its regions cover is integrated by its own Gauss points, with no regard to the slave's edges, which is the error of this
+//! rule. Elements where a side ends, or in the fan of a kink, keep the points of merged integration.
+
+use super::super::slave_pieces::join;
+use super::super::{InterfaceQuadrature, Partners, Segments};
+use super::element::Sides;
+use crate::basis::{Cell, Order};
+use crate::coupling::CouplingError;
+use crate::geometry::{Geometry, MapTable, cell, cross};
+use crate::linalg::{Matrix, Vector, determinant, inverse};
+use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Deviation of the regions of an element from its cell that is an error of their quadrature.
+const WHOLE: f64 = 1e-5;
+/// A partner this far outside of its element, in local coordinates, is in it.
+const INSIDE: f64 = 1e-9;
+/// Steps of Newton's method; it converges in three to six.
+const STEPS: usize = 30;
+/// A step after which the next one is below rounding.
+const SETTLED: f64 = 1e-13;
+
+/// Gauss points on the master elements of surfaces, for the master part of the reaction of contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MasterSurfaceSums {
+    /// Gauss points per direction of a master element; triangles take a rule of the same degree.
+    pub points: usize,
+    /// Pairing rule.
+    pub partners: Partners,
+}
+
+impl MasterSurfaceSums {
+    /// Creates the rule for sides in contact, possibly across a gap of at most `reach` (`None`: the size of the slave side).
+    pub fn facing(points: usize, reach: Option<f64>) -> Self {
+        Self { points, partners: Partners::Facing { reach } }
+    }
+}
+
+/// A pair of partners: slave element, its local coordinates, those of the master, and the weight.
+type Pair = (usize, Vector<2>, Vector<2>, f64);
+
+impl InterfaceQuadrature<2, 3> for MasterSurfaceSums {
+    fn segments(&self, slave: &dyn Geometry<2, 3>, master: &dyn Geometry<2, 3>) -> Result<Segments<2>, CouplingError> {
+        if master.num_elements() == 0 {
+            return Err(CouplingError::NothingFaces);
+        }
+        let points = self.points.max(1);
+        let sides = Sides::new(slave, master, self.partners, points)?;
+        let parts = (0..slave.num_elements()).into_par_iter().map(|e| sides.element(e)).collect();
+        let merged = join(parts, master, false)?;
+        let mut of_master: Vec<Vec<Pair>> = vec![Vec::new(); master.num_elements()];
+        for piece in 0..merged.num_pieces() {
+            let points = merged.points(piece).map(|q| (merged.slave[piece], merged.slave_xi[q], merged.master_xi[q], merged.ds[q]));
+            of_master[merged.master[piece]].extend(points);
+        }
+        let rules = [TensorRule::<2>::gauss([points; 2]).rule(0).clone(), simplex_rule(2 * points - 1)];
+        let rule = |f: usize| &rules[usize::from(master.cell(f) == Cell::Simplex)];
+        let summed: Vec<Vec<Pair>> = of_master
+            .into_par_iter()
+            .enumerate()
+            .map(|(f, merged)| own_points(slave, master, f, &merged, rule(f)).unwrap_or(merged))
+            .collect();
+        let mut pieces: BTreeMap<(usize, usize), Vec<_>> = BTreeMap::new();
+        for (f, list) in summed.into_iter().enumerate() {
+            for (element, xi, eta, ds) in list {
+                pieces.entry((element, f)).or_default().push((xi, eta, ds));
+            }
+        }
+        let mut out = Segments::new();
+        pieces.into_iter().for_each(|((element, f), points)| out.push_piece(element, f, points));
+        out.report = merged.report.clone();
+        out.report.covered = out.measure();
+        out.count(master);
+        Ok(out)
+    }
+}
+
+/// The Gauss points of a master element that the regions of `merged` cover, with their partners; `None` if they do not, or one has no
+/// partner.
+fn own_points(slave: &dyn Geometry<2, 3>, master: &dyn Geometry<2, 3>, f: usize, merged: &[Pair], rule: &Rule<2>) -> Option<Vec<Pair>> {
+    let mut work = Work { slave, own: MapTable::new(), other: MapTable::new() };
+    let cell: f64 = rule.weights.iter().sum();
+    let mut covered = 0.0;
+    for (element, xi, eta, ds) in merged {
+        master.map(f, &[*eta], Order::Hessians, &mut work.other);
+        slave.map(*element, &[*xi], Order::Gradients, &mut work.own);
+        covered += ds / work.rate()?;
+    }
+    if (covered / cell - 1.0).abs() > WHOLE {
+        return None;
+    }
+    // starts: one point per slave element
+    rule.points
+        .iter()
+        .zip(&rule.weights)
+        .map(|(eta, weight)| {
+            let mut starts: BTreeMap<usize, (f64, Vector<2>)> = BTreeMap::new();
+            for (element, xi, at, _) in merged {
+                let far = (at - eta).norm();
+                let start = starts.entry(*element).or_insert((far, *xi));
+                if far < start.0 {
+                    *start = (far, *xi);
+                }
+            }
+            let mut order: Vec<(f64, usize, Vector<2>)> = starts.into_iter().map(|(element, (far, xi))| (far, element, xi)).collect();
+            order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            master.map(f, &[*eta], Order::Hessians, &mut work.other);
+            order.into_iter().find_map(|(_, element, start)| {
+                let xi = work.partner(element, start)?;
+                Some((element, xi, *eta, weight * work.rate()?))
+            })
+        })
+        .collect()
+}
+
+/// Both maps at a pair of points.
+struct Work<'a> {
+    slave: &'a dyn Geometry<2, 3>,
+    own: MapTable<2, 3>,
+    other: MapTable<2, 3>,
+}
+
+impl Work<'_> {
+    /// ds / deta at the pair in the tables; `None` where the slave is parallel to the master's normal.
+    fn rate(&self) -> Option<f64> {
+        let (j, away) = (self.other.jacobian[0], self.own.x[0] - self.other.x[0]);
+        let mut a = j.tr_mul(&j);
+        for c in 0..3 {
+            a -= self.other.hessian[0][c] * away[c];
+        }
+        let b: Matrix<2, 2> = j.tr_mul(&self.own.jacobian[0]);
+        let rate = cross(&self.own.jacobian[0]).norm() * (determinant(&a) / determinant(&b)).abs();
+        (rate.is_finite() && rate > 0.0).then_some(rate)
+    }
+
+    /// The point of a slave element on the normal of the master point in `other`, if it is there; its map is left in `own`.
+    fn partner(&mut self, element: usize, start: Vector<2>) -> Option<Vector<2>> {
+        let (x, j) = (self.other.x[0], self.other.jacobian[0]);
+        let mut xi = start;
+        for _ in 0..STEPS {
+            self.slave.map(element, &[xi], Order::Gradients, &mut self.own);
+            let step = inverse(&j.tr_mul(&self.own.jacobian[0]))? * j.tr_mul(&(x - self.own.x[0]));
+            let length = step.amax();
+            xi += if length > 0.5 { step * (0.5 / length) } else { step };
+            if length <= SETTLED {
+                break;
+            }
+        }
+        self.slave.map(element, &[xi], Order::Gradients, &mut self.own);
+        let apart = j.tr_mul(&(x - self.own.x[0])).norm();
+        let is_found = apart <= INSIDE * j.norm() * self.own.jacobian[0].norm();
+        (is_found && cell::contains(self.slave.cell(element), &xi, INSIDE)).then_some(xi)
+    }
+}
