@@ -91,7 +91,7 @@ impl Reader {
             studies,
             effective: String::new(),
         };
-        self.pressed_obstacles(&case);
+        self.surfaces(&case);
         case.effective = format!(
             "# {} with every default written out by faying {}\n{}",
             crate::errors::one_line(&self.source.name),
