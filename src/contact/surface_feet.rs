@@ -23,6 +23,8 @@ const WORTH: f64 = 1e-11;
 const SQUARE: f64 = 1e-8;
 /// Deviation from a right angle \[rad\] beyond which a search has ended without a least distance, as it may beside a pole.
 const STUCK: f64 = 1e-5;
+/// A small step towards a corner or the centre of an element, as a share of the way.
+const NUDGE: f64 = 1e-3;
 /// Share of the size below which a distance has no direction.
 const NO_DIRECTION: f64 = 1e-6;
 /// A foot behind the point is hidden by what opposes within this share of its distance.
@@ -125,7 +127,18 @@ impl FacingSurface {
                 opposes(normal, &self.normal(*g, eta))
                     && self.edges_at(*g, eta).all(|edge| !edge.is_alone)
                     && self.closest.descend_from(*g, p, *eta).distance >= least
+                    && !self.comes_nearer(*g, eta, p, least)
             })
+    }
+
+    /// Whether a small step into an element comes nearer to `p` than `least`: a search that begins at a pole may stay there.
+    fn comes_nearer(&self, element: usize, xi: &Vector<2>, p: &Vector<3>, least: f64) -> bool {
+        let (geometry, mut table) = (self.closest.geometry(), MapTable::new());
+        let mut ahead = cell::corners::<2, f64>(geometry.cell(element));
+        ahead.push(cell::center(geometry.cell(element)));
+        let points: Vec<Vector<2>> = ahead.iter().map(|to| xi + (to - xi) * NUDGE).collect();
+        geometry.map(element, &points, Order::Values, &mut table);
+        table.x.iter().any(|x| (x - p).norm() < least)
     }
 
     /// Distance of `p` in front of the surface at its closest point, where the elements `around` meet; zero beyond a rim.

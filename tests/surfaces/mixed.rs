@@ -141,3 +141,18 @@ fn mixed_integration_gives_up_the_balance_of_forces() {
         assert!(same < 1e-12, "{kind:?}: {same:e}");
     }
 }
+
+/// Contact between surfaces by mixed integration is refused; ties have it.
+#[test]
+fn contact_between_surfaces_refuses_mixed_integration() {
+    let mut p = Problem::<2, 3>::new();
+    let [lower, upper] = [("lower", 0.0), ("upper", 0.5)].map(|(name, z)| {
+        let net = shapes::brick([0.0, 0.0, z], [1.0, 1.0, z + 0.5]).unwrap();
+        Kind::Spline.add(&mut p, name, Kind::Spline.body(&PatchSpec::new(net).with_elements([2; 3])), steel())
+    });
+    p.fix(lower.side("w0"), Components::All).unwrap();
+    p.fix(upper.side("w1"), Components::All).unwrap();
+    p.contact(upper.side("w0"), lower.side("w1")).unwrap().rule(Integration::Mixed);
+    let errors = p.assemble().unwrap_err();
+    assert!(errors.to_string().contains("mixed integration of contact between surfaces"), "{errors}");
+}

@@ -1,6 +1,7 @@
 //! Obstacles with the shape of solids and surfaces: gaps by closed forms, whatever the cells, and the same pressures as analytic obstacles.
 
 use crate::bodies::{KINDS, Kind, steel, turns};
+use faying::check;
 use faying::contact::{FacingSurface, HalfPlane, Hit, Obstacle, OutlineError, Sphere, body_outline, opposed, surface_outline};
 use faying::geometry::{ControlNet, shapes, turn_about};
 use faying::linalg::{Matrix, Vector};
@@ -120,6 +121,36 @@ fn a_floor_hides_the_top_of_a_wall() {
     for (x, z, wanted) in [(0.01, 0.999, -0.001), (-0.01, 0.1, 0.1), (-0.01, -0.1, -0.1), (0.5, 1.2, 0.2)] {
         assert!((gap(x, z).unwrap() - wanted).abs() < 1e-14, "{x} {z}");
     }
+}
+
+/// Eight surfaces that close on themselves, in any order of their parameters, and the outer sides of eight solids.
+#[test]
+fn a_nurbs_sphere_is_a_sphere_with_its_poles() {
+    let center = Vector::<3>::new(0.5, 0.4, 0.55);
+    let placed: Vec<_> = sphere_nets(0.45).into_iter().map(|net| net.translate(&center)).collect();
+    let surface = FacingSurface::of_pieces(surface_outline(placed.clone()).unwrap());
+    let sphere = Sphere::<3> { center, radius: 0.45, inside: false };
+    let poles = [0.2, -0.2, 0.6].map(|z| center + Vector::<3>::new(0.0, 0.0, z));
+    let directions = [[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.3, -0.5, 0.8], [-0.6, 0.7, 0.1]].map(|d| Vector::<3>::from(d).normalize());
+    let mut faced = 0;
+    for x in points(300).chain(poles) {
+        for outward in &directions {
+            let wanted = opposed::<2, 3, f64>(&sphere, &x, outward).map(|hit| (hit.gap, hit.normal));
+            let found = opposed(&surface, &x, outward);
+            assert!(close(found, wanted, 1e-12), "{x:?} {outward:?}: {found:?} {wanted:?}");
+            faced += usize::from(wanted.is_some());
+        }
+    }
+    assert!(faced > 100, "{faced}");
+    let kept: Vec<Vector<3>> = points(60).collect();
+    check::obstacle::<2, 3, f64>(&surface, &kept, 1e-11).unwrap();
+    // one eighth alone is open: it has its normal t_u x t_v
+    let one = FacingSurface::of_pieces(surface_outline(vec![placed[0].clone()]).unwrap());
+    let turned = FacingSurface::of_pieces(surface_outline(vec![placed[0].reverse(0)]).unwrap());
+    let d = Vector::<3>::new(1.0, 1.2, 0.9).normalize();
+    let x = center + d * 0.7;
+    let (a, b) = (one.project(&x, &-d), turned.project(&x, &-d));
+    assert!(a.is_some() != b.is_some(), "{a:?} {b:?}");
 }
 
 #[test]

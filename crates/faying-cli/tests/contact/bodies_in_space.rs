@@ -88,3 +88,44 @@ fn dual_multipliers_press_alike_where_there_are_some() {
         Case::parse("case.toml", &text, &ReadOptions::default()).unwrap().run(&Registry::default()).expect_err("refused").to_string();
     assert!(error.contains("E064") && error.contains("multiplier = \"dual\"") && error.contains("p/p, p/p-1, constant"), "{error}");
 }
+
+/// Elements of a wide block whose normals are 40 to 60 degrees off those of a ball lose nothing, near the zone and far from it.
+#[test]
+fn slanted_elements_of_a_coarse_side_lose_no_part() {
+    for (ball, n, width) in [("[3, 3, 1]", 3, 2.0), ("[4, 4, 1]", 5, 2.0), ("[3, 3, 1]", 3, 1.0)] {
+        let block = format!("[{n}, {n}, 1]");
+        let text = HEAD.to_owned()
+            + &format!(
+                "[[patch]]\nname = \"ball\"\nelements = {ball}\n\
+                 geometry = {{ kind = \"sphere-octant\", radius = [0.5, 1.0], rotate_deg = -90, axis = [1, 0, 0], move = [0, 0, 1.0] }}\n\
+                 [[patch]]\nname = \"block\"\nelements = {block}\ngeometry = {{ kind = \"box\", min = [0, 0, -1], max = [{width}, {width}, 0] }}\n\
+                 [[boundary]]\non = \"block.bottom\"\nfix = [\"x\", \"y\", \"z\"]\n[[boundary]]\non = [\"block.u0\", \"ball.u1\"]\nfix = [\"x\"]\n\
+                 [[boundary]]\non = [\"block.v0\", \"ball.v0\"]\nfix = [\"y\"]\n[[boundary]]\non = \"ball.u0\"\ndirichlet = {{ z = -0.05 }}\n\
+                 [[contact]]\nname = \"c\"\nsymmetry = true\nslave = \"block.top\"\nmaster = \"ball.w1\"\n"
+            );
+        let result = run(&text);
+        assert!(result.warnings.iter().all(|w| !w.message.contains("lose a part")), "{ball} {block}: {:?}", result.warnings);
+        // elements of which all is within 60 degrees of the ball's normal: x² + y² <= 3
+        let (covered, size) = (result.contact.get("c").unwrap().segments.measure, width / f64::from(n));
+        let opposed = |(i, j): &(i32, i32)| f64::from((i + 1).pow(2) + (j + 1).pow(2)) * size * size <= 3.0;
+        let least = (0..n * n).map(|q| (q % n, q / n)).filter(opposed).count() as f64 * size * size;
+        assert!(covered > least - 1e-9, "{ball} {block} {width}: {covered} of {least}");
+    }
+}
+
+/// Blocks that touch and slide along each other without pressure: what rounding leaves is no area, and no zone that is too coarse.
+#[test]
+fn nothing_presses_where_bodies_only_slide() {
+    for method in ["lagrange", "augmented", "penalty", "nitsche"] {
+        let text = stacked(["backend = \"iga\""; 2], &format!("method = \"{method}\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\""))
+            .replace("on = \"lower.bottom\"\nfix = [\"z\"]", "on = \"lower.bottom\"\nfix = [\"x\", \"y\", \"z\"]")
+            .replace("on = [\"lower.left\", \"upper.left\"]\nfix = [\"x\"]", "on = \"lower.left\"\nfix = [\"x\"]")
+            .replace("on = [\"lower.front\", \"upper.front\"]\nfix = [\"y\"]", "on = \"lower.front\"\nfix = [\"y\"]")
+            .replace("pressure = 2.0", "dirichlet = { x = 0.1, y = 0.03, z = 0.0 }");
+        assert!(text.contains("x = 0.1") && !text.contains("upper.left"), "{text}");
+        let result = run(&text);
+        let found = result.contact.get("c").unwrap();
+        assert!(found.area == 0.0 && found.pressure.max.abs() < 1e-11, "{method}: {found:?}");
+        assert!(result.warnings.is_empty(), "{method}: {:?}", result.warnings);
+    }
+}

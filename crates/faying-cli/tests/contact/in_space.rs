@@ -146,11 +146,11 @@ fn files_show_the_side_without_an_arc_length() {
     assert!(text.starts_with("s,x,y,z,lambda,gap,active\n,1.66666666666666"), "{text}");
     let SidePart::Surface(part) = &side.part else { panic!("a surface") };
     let names: Vec<(&str, usize)> = part.fields.iter().map(|f| (f.name.as_str(), f.components)).collect();
-    assert_eq!(names, [("lambda", 1), ("gap", 1), ("active", 1), ("traction", 3), ("normal", 3)]);
+    assert_eq!(names, [("lambda", 1), ("gap", 1), ("active", 1), ("traction", 3), ("normal", 3), ("pressure", 1)]);
     let middle = [faying::linalg::Vector::<2>::new(0.5, 0.5)];
     let value = |k: usize| (part.fields[k].sample)(4, &middle);
     assert!((value(0)[0] + 1e-3).abs() < 1e-15 && value(1)[0].abs() < 1e-15 && value(2) == [1.0]);
-    assert!((value(3)[2] - 1e-3).abs() < 1e-15 && value(4) == [0.0, 0.0, 1.0]);
+    assert!((value(3)[2] - 1e-3).abs() < 1e-15 && value(4) == [0.0, 0.0, 1.0] && (value(5)[0] - 1e-3).abs() < 1e-15);
     assert!(!side.part.vtu().unwrap().is_empty());
 }
 

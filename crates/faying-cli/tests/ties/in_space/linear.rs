@@ -1,6 +1,7 @@
 //! Linear fields across grids that do not match are exact.
 
 use super::{KINDS, error, run, stacked};
+use faying_cli::RunResult;
 use faying_cli::result::Moment;
 
 /// Largest error of u and of lambda.
@@ -115,6 +116,27 @@ fn forces_and_moments_balance_and_unknowns_meet() {
             let seam = result.interface.get("seam").unwrap();
             assert!(seam.balance < 1e-12, "{coupling}: {}", seam.balance);
             assert!(seam.lambda.norm > 0.1 && seam.distance < 1e-14, "{coupling}: {seam:?}");
+        }
+    }
+}
+
+/// The slave's own points do not see the kinks of the master's functions: every coupling tells by how much, and merged integration has no
+/// such error.
+#[test]
+fn slave_points_that_spoil_linear_fields_are_told_with_every_coupling() {
+    for coupling in ["mortar", "nitsche", "penalty"] {
+        for degree in [1, 2] {
+            let [own, merged] = ["slave", "merged"].map(|rule| {
+                let words = format!("coupling = \"{coupling}\"\nintegration = \"{rule}\"");
+                run(&stacked(false, [KINDS[0]; 2], degree, &words), &[])
+            });
+            let off = error(&own, "error.seam.lambda.L2.rel").max(error(&own, "error.u.H1.rel"));
+            let told = |result: &RunResult| result.warnings.iter().any(|w| w.code == "E065" && w.message.contains("inexact"));
+            let found = own.interface.get("seam").unwrap().consistency;
+            assert!(off > 5e-3 && told(&own), "{coupling} {degree}: {off:e} {:?}", own.warnings);
+            assert!(found > 0.3 * off && found < 10.0 * off, "{coupling} {degree}: {found:e} of {off:e}");
+            let found = merged.interface.get("seam").unwrap().consistency;
+            assert!(found < 1e-11 && merged.warnings.is_empty(), "{coupling} {degree}: {found:e} {:?}", merged.warnings);
         }
     }
 }

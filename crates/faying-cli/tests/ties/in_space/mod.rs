@@ -1,6 +1,7 @@
 //! Ties of bodies in space from case files: linear fields, curved interfaces, results and files, and what is refused.
 
 mod curved;
+mod facets;
 mod inf_sup;
 mod linear;
 mod refused;

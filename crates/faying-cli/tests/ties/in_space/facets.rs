@@ -1,0 +1,88 @@
+//! Meshes of facets that stand for one curved surface: tied, and told what is not.
+
+use super::{KINDS, error, read, run};
+use faying_cli::{Registry, RunResult};
+
+/// Two layers of a hollow sphere's octant, their grids with nothing in common, under a linear displacement that is prescribed on all other
+/// sides.
+fn octants(kinds: [&str; 2], degree: usize, swapped: bool) -> String {
+    let patch = |name: &str, kind: &str, radii: &str, n: &str| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"sphere-octant\", radius = {radii} }}\nelements = {n}\ndegree = {degree}\n{kind}\n"
+        )
+    };
+    let [slave, master] = if swapped { ["outer.w0", "inner.w1"] } else { ["inner.w1", "outer.w0"] };
+    format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = 3\n\
+         exact = {{ u = [\"0.3*x - 0.2*y + 0.5*z\", \"0.1*x - 0.4*y + 0.2*z\", \"-0.6*x + 0.3*y + 0.7*z\"] }}\n\
+         [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n{}{}\
+         [[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n\
+         [[interface]]\nname = \"seam\"\nslave = \"{slave}\"\nmaster = \"{master}\"\n",
+        patch("inner", kinds[0], "[1, 1.5]", "[4, 4, 3]"),
+        patch("outer", kinds[1], "[1.5, 2]", "[3, 3, 2]"),
+    )
+}
+
+/// The share of the slave side that is not tied.
+fn lost(result: &RunResult) -> f64 {
+    1.0 - result.interface.get("seam").unwrap().share
+}
+
+#[test]
+fn octants_of_coarse_facets_are_tied_and_what_is_lost_is_told() {
+    for (k, slave) in KINDS[2..].iter().enumerate() {
+        for (l, master) in KINDS[2..].iter().enumerate() {
+            for swapped in [false, true] {
+                let degree = 1 + (k + l + usize::from(swapped)) % 2;
+                let what = format!("{slave} {master} {degree} {swapped}");
+                let result = run(&octants([slave, master], degree, swapped), &[]);
+                let share = lost(&result);
+                assert!(share > 1e-6 && share < [0.0, 1e-2, 1e-5][degree], "{what}: {share:e}");
+                let told: Vec<_> = result.warnings.iter().filter(|w| w.code == "E025").collect();
+                assert!(told.len() == 1 && told[0].message.contains("meets no master"), "{what}: {:?}", result.warnings);
+                assert_eq!(told[0].line.map(|l| l > 20), Some(true), "{what}: {:?}", told[0]);
+                // the bodies are as far from each other as their facets are from the sphere
+                let off = error(&result, "error.u.H1.rel");
+                assert!(off < [0.0, 0.1, 1e-3][degree], "{what}: {off:e}");
+            }
+        }
+    }
+}
+
+/// Strips at the rim are as wide as the facets are apart, h², times the angle between them, h.
+#[test]
+fn what_facets_lose_falls_with_the_third_power_of_their_size() {
+    for swapped in [false, true] {
+        let text = octants([KINDS[2], KINDS[2]], 1, swapped);
+        let [coarse, fine] = [0, 1].map(|level| {
+            let sets = [format!("patch.inner.refine={level}"), format!("patch.outer.refine={level}")];
+            lost(&run(&text, &[&sets[0], &sets[1]]))
+        });
+        assert!((6.0..12.0).contains(&(coarse / fine)), "{swapped}: {coarse:e} {fine:e}");
+    }
+}
+
+#[test]
+fn splines_and_exact_maps_lose_nothing() {
+    for kind in [KINDS[1], "backend = \"fe\"\nmapping = \"exact\"\n"] {
+        let result = run(&octants([kind; 2], 2, false), &[]);
+        assert!(lost(&result).abs() < 1e-9 && result.warnings.iter().all(|w| w.code != "E025"), "{kind}: {:?}", result.warnings);
+    }
+}
+
+/// A slave of 90 degrees on a master of 85: what facets lose at the rim does not hide a strip of a sixth of an element.
+#[test]
+fn a_master_that_ends_before_its_slave_is_refused() {
+    let layer = |name: &str, radii: &str, degrees: f64, n: &str| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"annulus-sector\", radius = {radii}, angle_deg = [0, {degrees:?}], extrude = 1 }}\n\
+             elements = {n}\ndegree = 1\nbackend = \"fe\"\n"
+        )
+    };
+    let text = "[model]\nphysics = \"poisson\"\ndimension = 3\n[[material]]\nname = \"m\"\n".to_owned()
+        + &layer("inner", "[1, 1.5]", 85.0, "[4, 1, 2]")
+        + &layer("outer", "[1.5, 2]", 90.0, "[3, 1, 3]")
+        + "[[boundary]]\non = \"inner.v0\"\ndirichlet = \"1\"\n[[interface]]\nname = \"seam\"\nslave = \"outer.v0\"\nmaster = \"inner.v1\"\n";
+    let found = read(&text, &[]).run(&Registry::default()).expect_err("refused");
+    assert!(found.items[0].code == "E025" && found.items[0].message.contains("only 94."), "{found}");
+}
