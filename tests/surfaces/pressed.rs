@@ -174,8 +174,8 @@ fn a_penalty_lets_the_block_sink_by_its_factor() {
 #[test]
 fn what_is_not_there_is_refused_with_what_is() {
     let refused = |case: &Case| case.problem().0.assemble().expect_err("refused").0.remove(0);
-    let error = refused(&Case { multiplier: MultiplierKind::Dual, ..Case::new(Kind::Hexahedra, 2) });
-    assert!(error.to_string().contains("this side has p/p, p/p-1, p/p-2, constant"), "{error}");
+    let error = refused(&Case { multiplier: MultiplierKind::Dual, ..Case::new(Kind::Tetrahedra, 2) });
+    assert!(error.to_string().contains("this side has p/p, p/p-1, constant"), "{error}");
     let error = refused(&Case { multiplier: MultiplierKind::Lowered(2), ..Case::new(Kind::Tetrahedra, 2) });
     assert!(error.to_string().contains("this side has p/p, p/p-1, constant"), "{error}");
     let error = refused(&Case { cone: Cone::Values, ..Case::new(Kind::Tetrahedra, 2) });
