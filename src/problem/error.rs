@@ -131,7 +131,7 @@ pub enum ErrorKind {
     SourceTwice,
     /// A foundation beside an exact solution, whose source is that of a body without one.
     FoundationBesideExact,
-    /// What bodies of revolution do not allow.
+    /// A statement that bodies of revolution do not allow.
     Revolution(RevolutionError),
     /// Data that are not finite at a quadrature point.
     NotFinite {

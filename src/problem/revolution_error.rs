@@ -3,7 +3,7 @@
 use super::error::ErrorKind;
 use std::fmt::{Formatter, Result};
 
-/// What bodies of revolution do not allow.
+/// A statement that bodies of revolution do not allow.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum RevolutionError {

@@ -138,11 +138,11 @@ pub struct Mark {
     pub normal: [f64; 3],
     /// Of a load its direction, of a support the inward normal; of length 1.
     pub toward: [f64; 3],
-    /// What it stands for.
+    /// Its meaning.
     pub kind: MarkKind,
 }
 
-/// What a mark stands for.
+/// Meaning of a mark.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MarkKind {
     /// Prescribed displacements.

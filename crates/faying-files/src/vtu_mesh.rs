@@ -51,7 +51,7 @@ const OTHERS: [(u8, CellShape, Stored); 9] = [
     (29, CellShape::Hexahedron, Stored::Order2),
 ];
 
-/// How a grid stores the nodes of a cell.
+/// Storage of the nodes of a cell in a grid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stored {
     Linear,

@@ -58,10 +58,10 @@ pub(super) fn dual_surface<const N: usize, T: Real>(
     if constrained.contains(&true) { handed_on(Box::new(psi), constrained) } else { Ok(Box::new(psi)) }
 }
 
-/// [`dual_surface`] of a contact with what faces the points of `segments`, and the functions by which its pressure is read.
+/// `dual_surface` of a contact with what faces the points of `segments`, and the functions by which its pressure is read.
 ///
 /// # Errors
-/// Those of [`dual_surface`], and [`MultiplierError::NoDual`] where an element is covered in part.
+/// Those of `dual_surface`, and [`MultiplierError::NoDual`] where an element is covered in part.
 pub fn dual_on_surface<const N: usize, T: Real>(
     space: &Arc<dyn Space<2, N, T>>,
     constrained: &[bool],

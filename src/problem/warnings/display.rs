@@ -92,10 +92,11 @@ impl Display for Warning {
                 let (apart, moment) = (digits(*apart), digits(*moment));
                 write!(f, "{of} loses the moment {moment}, {}: its sides are up to {apart} apart", percent(*share))
             }
-            Self::LostParts { of, elements, x } => {
-                let at = place(x);
-                write!(f, "pieces of integration of {of} lose a part of {elements} elements that face the opponent, the first at {at}")
-            }
+            Self::LostParts { of, elements, x: [x, y, z] } => write!(
+                f,
+                "pieces of integration of {of} lose a part of {elements} elements that face the opponent, the first at {}",
+                place(&[*x, *y, *z])
+            ),
             Self::SoftPenalty { of, apart, size, moved } => {
                 let word = if of.kind == SubjectKind::Contact { "deep in each other" } else { "apart in the mean" };
                 let [apart, size, moved] = [apart, size, moved].map(|x| digits(*x));
@@ -109,17 +110,15 @@ impl Display for Warning {
                 let [height, wave, pressure] = [height, wave, pressure].map(|v| digits(*v));
                 write!(f, "pressures of {of} at points have waves of {wave}, of {pressure}: its facets leave their surface by {height}")
             }
-            Self::Kinematics { of, strain, rotation, allowed } => {
-                kinematics(of, &[(*strain, "strains"), (*rotation, "rotations")], *allowed, f)
-            }
+            Self::Kinematics { of, strain, rotation, allowed } => kinematics(of, [strain, rotation], *allowed, f),
         }
     }
 }
 
-fn kinematics(of: &Subject, beyond: &[(Option<Beyond>, &str)], allowed: f64, f: &mut Formatter<'_>) -> Result {
+fn kinematics(of: &Subject, beyond: [&Option<Beyond>; 2], allowed: f64, f: &mut Formatter<'_>) -> Result {
     write!(f, "{of} deforms too far for small kinematics")?;
-    let found = beyond.iter().filter_map(|(b, word)| Some((b.as_ref()?, word)));
-    found.into_iter().try_for_each(|(b, word)| write!(f, "; {word} up to {}, beyond {allowed} in {}", digits(b.largest), percent(b.share)))
+    let mut found = beyond.into_iter().zip(["strains", "rotations"]).filter_map(|(b, word)| Some((b.as_ref()?, word)));
+    found.try_for_each(|(b, word)| write!(f, "; {word} up to {}, beyond {allowed} in {}", digits(b.largest), percent(b.share)))
 }
 
 fn inexact(found: &Inexact, f: &mut Formatter<'_>) -> Result {

@@ -35,7 +35,6 @@ impl Reader {
             .section(&mut root, "discretization", rows::DISCRETIZATION, false, |r, b| r.discretization(b, None))
             .unwrap_or(case.discretization);
         self.backend = Some(discretization.backend.clone());
-        // before the patches, which refer to them
         let materials = self.materials(&mut root, &model);
         let mut patches = self.patches(&mut root, &model, &discretization, &materials);
         let read = self.list(&mut root, "boundary", rows::BOUNDARY, |r, b, k| r.boundary(b, k, &model, &patches));
@@ -92,13 +91,18 @@ impl Reader {
             effective: String::new(),
         };
         self.surfaces(&case);
-        case.effective = format!(
+        case.effective = self.effective(root);
+        case
+    }
+
+    /// The text of the case with every default written out.
+    fn effective(&self, root: Block) -> String {
+        format!(
             "# {} with every default written out by faying {}\n{}",
             crate::errors::one_line(&self.source.name),
             env!("CARGO_PKG_VERSION"),
             root.finish().to_document()
-        );
-        case
+        )
     }
 
     /// `units`: names, which are short.

@@ -82,7 +82,7 @@ pub(crate) fn bytes_at(path: &Path, most: Option<u64>) -> Result<Vec<u8>, FileEr
     Ok(bytes)
 }
 
-/// What is recorded of a file that was read.
+/// Record of a file that was read.
 fn file_read(name: &str, path: PathBuf, bytes: &[u8]) -> FileRead {
     let path = std::fs::canonicalize(&path).unwrap_or(path);
     FileRead { name: name.to_owned(), path, bytes: bytes.len(), sha256: sha256(bytes) }

@@ -13,7 +13,7 @@ pub fn patches(case: &Case) -> Result<SplineFile, Diagnostics> {
     made(case, false)
 }
 
-/// The same, each with a knot at every border of the elements that the case asks for.
+/// These geometries, each with a knot at every border of the elements that the case asks for.
 pub fn cut(case: &Case) -> Result<SplineFile, Diagnostics> {
     let file = made(case, true)?;
     if file.patches.is_empty() {

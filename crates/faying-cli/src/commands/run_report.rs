@@ -75,7 +75,7 @@ fn balance(result: &RunResult) -> Table {
     table
 }
 
-/// How the system was solved, in sentences.
+/// Sentences on how the system was solved.
 fn iterations(page: &mut Page, result: &RunResult) {
     let Some(solve) = result.solve.as_ref().filter(|_| result.solved) else { return };
     let mut lines = vec![(solve.reason != "converged", format!("{}: {}", solve.linear, solve.reason))];

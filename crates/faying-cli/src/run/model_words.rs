@@ -221,7 +221,7 @@ fn constants(material: &Material, physics: Physics) -> String {
     list.join(", ")
 }
 
-/// What a block prescribes and applies, in its own words.
+/// Conditions and loads of a block, in its own words.
 fn conditions(block: &Boundary, components: usize) -> Vec<String> {
     let datum = |d: &Datum| match d {
         Datum::Exact => "exact".to_owned(),

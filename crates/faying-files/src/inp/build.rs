@@ -1,7 +1,7 @@
 //! The mesh of what an input file holds.
 
 use super::facets::{Boundary, Part, Parts, Tagged};
-use super::kinds::Kind;
+use super::kinds::ElementKind;
 use super::lines::{Element, Found, in_file};
 use super::sets::At;
 use crate::budget::Budget;
@@ -60,7 +60,7 @@ impl Groups {
 }
 
 /// The mesh while it is made.
-struct Builder {
+struct MeshBuilder {
     found: Found,
     budget: Budget,
     points: Lookup,
@@ -78,7 +78,7 @@ struct Builder {
 
 /// Makes the mesh.
 pub(super) fn mesh((found, budget): (Found, Budget)) -> Result<MeshFile, FileError> {
-    let mut made = Builder::new(found, budget)?;
+    let mut made = MeshBuilder::new(found, budget)?;
     made.cells()?;
     let members = made.element_sets()?;
     made.surfaces()?;
@@ -105,7 +105,7 @@ fn middle_second(nodes: &mut [u32], points: &[[f64; 3]]) {
     }
 }
 
-impl Builder {
+impl MeshBuilder {
     fn new(found: Found, mut budget: Budget) -> Result<Self, FileError> {
         let points = lookup(&found.ids, |k| found.point_at[k], "node", &found.included, &mut budget)?;
         budget.items(found.elements.len(), 8)?;
@@ -130,7 +130,7 @@ impl Builder {
         in_file(broken(at.line as usize, what), at, &self.found.included)
     }
 
-    fn cell(&self, e: usize) -> (Kind, &[u32]) {
+    fn cell(&self, e: usize) -> (ElementKind, &[u32]) {
         (self.found.elements[e].kind, &self.nodes[self.starts[e]..self.starts[e + 1]])
     }
 
@@ -140,7 +140,7 @@ impl Builder {
 
     /// Finds the nodes of the cells, and adds those that the file leaves out.
     fn cells(&mut self) -> Result<(), FileError> {
-        let mut orders: Vec<(Kind, Vec<usize>)> = Vec::new();
+        let mut orders: Vec<(ElementKind, Vec<usize>)> = Vec::new();
         let mut completion = Completion::default();
         for e in 0..self.found.elements.len() {
             let Element { id, kind, first, at } = self.found.elements[e];

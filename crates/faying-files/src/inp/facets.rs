@@ -1,6 +1,6 @@
 //! Facets, edges and corners of cells, and the facets of the boundary.
 
-use super::kinds::Kind;
+use super::kinds::ElementKind;
 use crate::CellShape;
 use crate::budget::Budget;
 use crate::gmsh::lexicographic;
@@ -28,7 +28,7 @@ pub(super) struct Part {
 
 impl Part {
     /// The part between corners of the cell, which are numbered as in the file and walked around.
-    pub fn new(kind: Kind, ring: &[usize]) -> Self {
+    pub fn new(kind: ElementKind, ring: &[usize]) -> Self {
         let (p, lattice) = (kind.order, lexicographic(kind.shape, kind.order));
         let simplex = matches!(kind.shape, CellShape::Triangle | CellShape::Tetrahedron);
         let corner = |c: usize| -> [usize; 3] {
@@ -65,12 +65,12 @@ impl Part {
 /// The facets and the edges of every kind, made when they are asked for.
 #[derive(Debug, Default)]
 pub(super) struct Parts {
-    known: Vec<(Kind, Vec<Part>, Vec<Vec<Part>>)>,
+    known: Vec<(ElementKind, Vec<Part>, Vec<Vec<Part>>)>,
 }
 
 impl Parts {
     /// The facets of a kind in the order of their names, and the edges of each.
-    pub fn of(&mut self, kind: Kind) -> (&[Part], &[Vec<Part>]) {
+    pub fn of(&mut self, kind: ElementKind) -> (&[Part], &[Vec<Part>]) {
         let k = self.known.iter().position(|known| known.0 == kind).unwrap_or_else(|| {
             let rings: Vec<&[usize]> = (1..=kind.faces()).map(|k| kind.face(k)).collect();
             let edges = |ring: &&[usize]| (0..ring.len()).map(|k| Part::new(kind, &[ring[k], ring[(k + 1) % ring.len()]])).collect();
@@ -94,12 +94,12 @@ pub(super) struct Tagged {
 
 impl Tagged {
     /// Adds a part of a cell to a group.
-    pub fn add(&mut self, kind: Kind, part: &Part, cell: &[u32], group: usize, budget: &mut Budget) -> Result<(), FileError> {
+    pub fn add(&mut self, kind: ElementKind, part: &Part, cell: &[u32], group: usize, budget: &mut Budget) -> Result<(), FileError> {
         self.put(part.shape, kind.order, part.key(cell), || part.nodes(cell), group, budget)
     }
 
     /// Takes out the cell that has the corners of the given one, and returns its groups.
-    pub fn claim(&mut self, kind: Kind, cell: &[u32]) -> Vec<usize> {
+    pub fn claim(&mut self, kind: ElementKind, cell: &[u32]) -> Vec<usize> {
         let ring: &[usize] = match kind.shape {
             CellShape::Line => &[0, 1],
             CellShape::Triangle => &[0, 1, 2],
@@ -165,7 +165,7 @@ impl Boundary {
         cells: usize,
         dimension: usize,
         parts: &mut Parts,
-        cell: impl Fn(usize) -> (Kind, &'a [u32]),
+        cell: impl Fn(usize) -> (ElementKind, &'a [u32]),
         budget: &mut Budget,
     ) -> Result<Self, FileError> {
         let mut seen: HashMap<Key, Option<Outer>> = HashMap::new();

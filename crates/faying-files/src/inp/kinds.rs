@@ -25,14 +25,14 @@ const KINDS: [(usize, usize, CellShape, usize); 12] = [
 
 /// A type of elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Kind {
+pub(super) struct ElementKind {
     pub shape: CellShape,
     pub order: usize,
     /// Nodes in the file.
     pub nodes: usize,
 }
 
-impl Kind {
+impl ElementKind {
     /// The type of a name in upper case; else the reason why it is not read.
     pub fn of_name(name: &str) -> Result<Self, String> {
         let family = FAMILIES.iter().find_map(|(family, dimension)| Some((*dimension, name.strip_prefix(family)?)));
@@ -87,11 +87,11 @@ mod tests {
             ("C3D10M", Tetrahedron, 2),
             ("DCAX3", Triangle, 1),
         ] {
-            let kind = Kind::of_name(name).unwrap_or_else(|e| panic!("{e}"));
+            let kind = ElementKind::of_name(name).unwrap_or_else(|e| panic!("{e}"));
             assert_eq!((kind.shape, kind.order), (shape, order), "{name}");
         }
         for name in ["S4R", "C3D27", "C3D15", "CPEG4", "B31", "CPS", "T3D4", "C3D8-1", ""] {
-            assert!(Kind::of_name(name).is_err(), "{name}");
+            assert!(ElementKind::of_name(name).is_err(), "{name}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Lines of an input file: keywords with their parameters, and data.
 
 use super::Include;
-use super::kinds::Kind;
+use super::kinds::ElementKind;
 use super::sets::{At, Range, Sets};
 use crate::budget::Budget;
 use crate::text::{broken, shown, unsupported};
@@ -24,7 +24,7 @@ const SILENT: [&str; 7] = ["HEADING", "PART", "END PART", "ASSEMBLY", "END ASSEM
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Element {
     pub id: u64,
-    pub kind: Kind,
+    pub kind: ElementKind,
     /// The first of its nodes in [`Found::nodes`].
     pub first: usize,
     pub at: At,
@@ -39,7 +39,7 @@ pub(super) struct Faces {
     pub at: At,
 }
 
-/// What the files hold.
+/// Contents of the files.
 #[derive(Debug, Default)]
 pub(super) struct Found {
     pub points: Vec<[f64; 3]>,
@@ -58,12 +58,12 @@ pub(super) struct Found {
     pub notes: Vec<String>,
 }
 
-/// What the data lines mean that follow.
+/// Meaning of the data lines that follow.
 #[derive(Clone, Debug)]
 enum Block {
     Skip,
     Nodes { set: Option<usize> },
-    Elements { kind: Kind, set: Option<usize> },
+    Elements { kind: ElementKind, set: Option<usize> },
     Set { of_nodes: bool, set: usize, generate: bool },
     NodeSurface { set: usize },
     Surface { place: usize },
@@ -204,7 +204,7 @@ impl<'a, 'b> Reader<'a, 'b> {
             }
             "ELEMENT" => {
                 let Some(kind) = word.value("TYPE") else { return Err(self.broken("*ELEMENT without TYPE")) };
-                let kind = Kind::of_name(&kind.to_ascii_uppercase()).map_err(|what| self.unsupported(what))?;
+                let kind = ElementKind::of_name(&kind.to_ascii_uppercase()).map_err(|what| self.unsupported(what))?;
                 let set = self.set_named(false, word.value("ELSET"))?;
                 self.block = Block::Elements { kind, set };
             }
@@ -346,7 +346,7 @@ impl<'a, 'b> Reader<'a, 'b> {
         }
     }
 
-    fn element(&mut self, line: &str, kind: Kind, set: Option<usize>) -> Result<(), FileError> {
+    fn element(&mut self, line: &str, kind: ElementKind, set: Option<usize>) -> Result<(), FileError> {
         for word in line.split(',').map(str::trim).filter(|w| !w.is_empty()) {
             let number = self.number(word, "the number of an element or of a node")?;
             if self.pending.len() > kind.nodes {
@@ -424,7 +424,7 @@ impl<'a, 'b> Reader<'a, 'b> {
         Ok(())
     }
 
-    /// What was found; the budget goes on.
+    /// Results; the budget goes on.
     pub fn finish(mut self) -> Result<(Found, Budget), FileError> {
         if self.found.elements.is_empty() {
             return Err(self.broken("the file has no *ELEMENT"));

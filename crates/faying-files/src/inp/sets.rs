@@ -19,7 +19,7 @@ pub(super) struct Range {
     pub first: u64,
     pub last: u64,
     pub step: u64,
-    /// Where it stands.
+    /// Its place.
     pub at: At,
 }
 

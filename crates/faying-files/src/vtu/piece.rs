@@ -23,7 +23,7 @@ pub(super) const WEIGHT: usize = 3;
 pub(super) struct Piece<'a> {
     /// Node after node: position, weight, and the fields, those of two components padded to three.
     pub values: Vec<f64>,
-    /// The same in the middle of the element, where fields are averaged; else empty.
+    /// Values in the middle of the element, where fields are averaged; else empty.
     pub middle: Vec<f64>,
     /// Whether the weights are those of a rational cell.
     pub rational: bool,

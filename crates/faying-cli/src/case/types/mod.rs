@@ -33,9 +33,9 @@ pub type Head = Located<()>;
 /// Names of units, empty where none is given; numbers are never converted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Units {
-    /// That of lengths.
+    /// Unit of lengths.
     pub length: String,
-    /// That of forces.
+    /// Unit of forces.
     pub force: String,
 }
 
