@@ -113,15 +113,15 @@ impl FacingSurface {
         let away = p - x;
         let overhang = (away - own * away.dot(&own)).norm();
         let is_inside = self.edges_at(*element, xi).next().is_none();
+        let least = away.norm() - WORTH * self.closest.size();
         if overhang <= self.slack.max(away.norm() * if is_inside { STUCK } else { SQUARE }) {
-            return true;
+            return is_inside || !self.comes_nearer(*element, xi, p, least);
         }
         if is_inside {
             return false;
         }
         // a kink, if this is the least distance of all elements that meet here
         let around = self.around(*element, xi, x);
-        let least = away.norm() - WORTH * self.closest.size();
         around.len() > 1
             && around.iter().all(|(g, eta)| {
                 opposes(normal, &self.normal(*g, eta))
