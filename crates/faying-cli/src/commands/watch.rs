@@ -27,6 +27,9 @@ pub fn watch(
         let help = "name a case file; --json=FILE writes the document of every run to FILE";
         return usage("--watch needs a case in a file, and stdout for its tables", Some(help));
     }
+    if stamp(case).is_none() {
+        return solve(&mut Vec::new());
+    }
     let mut before: Vec<(String, f64)> = Vec::new();
     let mut files = vec![case.to_owned()];
     loop {

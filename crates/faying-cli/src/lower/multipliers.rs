@@ -38,8 +38,7 @@ pub(super) fn unstable<const S: usize, const N: usize>(
     pairing: Option<(usize, usize)>,
 ) -> Option<Diagnostic> {
     let space = &*slave.trace().space;
-    // inf-sup constants of surfaces are not in this version
-    let shown = if S == 1 { "; `faying infsup` shows it" } else { "" };
+    let shown = "; `faying infsup` shows it";
     let text = match &wanted.value {
         Multiplier::Named(word) if word.parse::<MultiplierKind>().is_ok_and(|k| k.is_unstable_on(space)) => {
             format!("multiplier \"{word}\" of \"{name}\" is not stable{shown}")

@@ -127,6 +127,10 @@ fn a_watched_case_is_a_file() {
         assert_eq!(out.status.code(), Some(2), "{words:?}");
         assert!(String::from_utf8_lossy(&out.stderr).contains("--watch needs a case in a file"), "{words:?}");
     }
+    // one that is not there ends the program; later on it may be away for a moment
+    let out = faying(at.path(), &["run", "away.toml", "--watch"]);
+    assert_eq!(out.status.code(), Some(4));
+    assert!(String::from_utf8_lossy(&out.stderr).contains("E003"), "{}", String::from_utf8_lossy(&out.stderr));
 }
 
 #[test]
