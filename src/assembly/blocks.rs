@@ -48,10 +48,10 @@ impl<T: Real> Blocks<'_, T> {
     }
 
     /// Row `i` of the sum, with `starts` from [`Self::starts`].
-    pub(super) fn row(&self, starts: &[usize], i: usize) -> Row<'_, T> {
+    pub(super) fn row(&self, starts: &[usize], i: usize) -> BlockRow<'_, T> {
         let block = starts.partition_point(|&s| s <= i) - 1;
         let own = Line::of(self.bodies[block].row(i - starts[block]));
-        Row { start: starts[block], own, between: self.between.map(|m| Line::of(m.row(i))) }
+        BlockRow { start: starts[block], own, between: self.between.map(|m| Line::of(m.row(i))) }
     }
 
     /// K u.
@@ -77,7 +77,7 @@ impl<T: Real> Blocks<'_, T> {
 
 /// A row of [`Blocks`]: (column, value) with ascending columns.
 #[derive(Clone, Debug)]
-pub(super) struct Row<'a, T> {
+pub(super) struct BlockRow<'a, T> {
     start: usize,
     own: Line<'a, T>,
     between: Option<Line<'a, T>>,
@@ -104,7 +104,7 @@ impl<'a, T: Real> Line<'a, T> {
     }
 }
 
-impl<T: Real> Iterator for Row<'_, T> {
+impl<T: Real> Iterator for BlockRow<'_, T> {
     type Item = (usize, T);
 
     fn next(&mut self) -> Option<(usize, T)> {

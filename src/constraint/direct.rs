@@ -12,7 +12,7 @@
 //! Source: Vanderbei, SIAM J. Optim. 5 (1995) 100-113 (quasi-definite matrices).
 
 use super::interface::{Interface, InterfaceWork};
-use super::quasidefinite::Layout;
+use super::quasidefinite::LdltPattern;
 use super::refinement::Refinement;
 use super::rows_alone::RowsAlone;
 use super::scale::{Scaled, ScaledPattern, check_shape, gaps};
@@ -38,7 +38,7 @@ pub struct Direct {
     ldlt: Ldlt,
     lu: Lu,
     lu_factors: usize,
-    layout: Option<Layout>,
+    layout: Option<LdltPattern>,
     interface: Interface,
     /// Scaled system kept for its next set of contact rows.
     kept: Option<ScaledPattern>,
@@ -109,7 +109,7 @@ impl Direct {
         {
             return Ok(bytes);
         }
-        let layout = Layout::of(&mut self.layout, &s, &[]);
+        let layout = LdltPattern::of(&mut self.layout, &s, &[]);
         Ok(self.ldlt.predict(&layout.empty(), &layout.places(&s, places))?)
     }
 
@@ -130,7 +130,7 @@ impl Direct {
     /// Factorises without any check; returns the factor's data and the upper triangle that was factorised.
     fn numbers(&mut self, s: &Scaled<'_>, places: &[[f64; 3]]) -> Result<(Factor, Upper), LinearError> {
         let (w, f) = weights(s);
-        let layout = Layout::of(&mut self.layout, s, &[]);
+        let layout = LdltPattern::of(&mut self.layout, s, &[]);
         let upper = layout.assemble(s, &w, &f);
         self.ldlt.factorise_upper(&upper, &layout.places(s, places))?;
         let diagonal: Vec<f64> = (0..s.num_unknowns()).map(|i| upper.vals[upper.pattern.0[i]].abs()).collect();

@@ -20,8 +20,8 @@
 //! Source: the Schur complement of a factorised matrix under changes of low rank: Hager, SIAM Review 31 (1989) 221-239.
 
 use super::direct::{Factor, Inverse, MAX_REFINEMENTS, begin, refuse_kernel, weights};
-use super::quasidefinite::{Layout, REGULARISATION};
-use super::rows_alone::{Row, RowsAlone};
+use super::quasidefinite::{LdltPattern, REGULARISATION};
+use super::rows_alone::{RowsAlone, ScaledRow};
 use super::scale::Scaled;
 use crate::linalg::residual::{InverseIteration, RESIDUAL_LIMIT, SAFE_GROWTH};
 use crate::linalg::{Border, Buffer, Csr, DenseLdlt, Ldlt, LinearError, Sparsity, Triplets};
@@ -70,7 +70,7 @@ pub(super) struct Interface {
     /// W |C|₁² / k of contact rows.
     springs: f64,
     ldlt: Ldlt,
-    layout: Option<Layout>,
+    layout: Option<LdltPattern>,
     plan: Option<Plan>,
     held: Option<Held>,
     dense: DenseLdlt,
@@ -141,7 +141,7 @@ impl Interface {
     pub fn predict(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]]) -> Result<Option<usize>, LinearError> {
         self.plan(s, contact, places)?;
         let Some(border) = self.plan.as_ref().and_then(|plan| plan.border.as_ref()) else { return Ok(None) };
-        let layout = Layout::of(&mut self.layout, s, contact);
+        let layout = LdltPattern::of(&mut self.layout, s, contact);
         let factor = self.ldlt.predict(&layout.empty(), &layout.places(s, places))?;
         Ok(Some(factor + border.bytes() + DenseLdlt::bytes(contact.len())))
     }
@@ -199,7 +199,7 @@ impl Interface {
             return Ok(());
         }
         (self.plan, self.held) = (None, None);
-        let layout = Layout::of(&mut self.layout, s, contact);
+        let layout = LdltPattern::of(&mut self.layout, s, contact);
         let (size, m) = (s.num_unknowns() + layout.multipliers(), contact.len());
         let mut border = None;
         // no factor has more entries than a full triangle
@@ -235,7 +235,7 @@ impl Interface {
 
     /// Factorises A of `s` with `springs`; a factor of the same values is kept.
     fn factorise(&mut self, s: &Scaled<'_>, contact: &[usize], places: &[[f64; 3]], springs: f64) -> Result<(), LinearError> {
-        let layout = Layout::of(&mut self.layout, s, contact);
+        let layout = LdltPattern::of(&mut self.layout, s, contact);
         let (mut w, f) = weights(s);
         for &a in contact {
             w[a] = spring(s, a, springs);
@@ -287,7 +287,7 @@ impl Interface {
         let border = match &summed {
             None => None,
             Some(rows) => {
-                let layout = Layout::of(&mut self.layout, s, contact);
+                let layout = LdltPattern::of(&mut self.layout, s, contact);
                 self.ldlt.analyse_upper(&layout.empty(), &layout.places(s, places))?;
                 let border = self.ldlt.border(rows, &(0..groups.len()).collect::<Vec<_>>());
                 let [columns, complement] = border.operations;
@@ -331,9 +331,9 @@ impl Interface {
             match &summed {
                 None => {
                     let a = contact[g];
-                    Row { load: load(&s.rows, a), spring: held.w[a], soft: soft(a), offset: s.offset[a], factor: s.factor[a] }
+                    ScaledRow { load: load(&s.rows, a), spring: held.w[a], soft: soft(a), offset: s.offset[a], factor: s.factor[a] }
                 }
-                Some(rows) => Row {
+                Some(rows) => ScaledRow {
                     load: load(rows, g),
                     spring: 1.0 / sum(&|a| 1.0 / (held.w[a] * s.factor[a].powi(2))),
                     soft: sum(&|a| soft(a) / s.factor[a].powi(2)),
@@ -431,7 +431,7 @@ fn spring(s: &Scaled<'_>, a: usize, springs: f64) -> f64 {
 /// The inverse of the system of a set.
 struct Set<'a, 'b> {
     s: &'a Scaled<'b>,
-    layout: &'a Layout,
+    layout: &'a LdltPattern,
     border: &'a Border,
     contact: &'a [usize],
     ldlt: &'a Ldlt,

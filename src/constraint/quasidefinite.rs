@@ -17,7 +17,7 @@ pub(super) const REGULARISATION: f64 = 1e-8;
 
 /// The pattern of the factorised matrix and what it was made of.
 #[derive(Debug)]
-pub(super) struct Layout {
+pub(super) struct LdltPattern {
     stiffness: Arc<Sparsity>,
     rows: Arc<Sparsity>,
     /// Rows that are springs alone, ascending; the others have a multiplier.
@@ -27,7 +27,7 @@ pub(super) struct Layout {
     pattern: Arc<(Vec<usize>, Vec<usize>)>,
 }
 
-impl Layout {
+impl LdltPattern {
     /// Layout of `s` with the rows `springs` as springs alone; `layout` is reused if it matches.
     pub fn of<'a>(layout: &'a mut Option<Self>, s: &Scaled<'_>, springs: &[usize]) -> &'a Self {
         debug_assert!(s.reaction.is_none(), "columns are those of the constraint");

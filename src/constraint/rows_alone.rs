@@ -21,13 +21,13 @@ pub struct RowsAlone {
     /// S, column after column; the lower triangle is set.
     pub(super) complement: Arc<Buffer<f64>>,
     /// The rows.
-    pub(super) rows: Vec<Row>,
+    pub(super) rows: Vec<ScaledRow>,
     pub(super) dense: DenseLdlt,
 }
 
 /// A row in scaled units.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Row {
+pub(super) struct ScaledRow {
     /// h: C u without multipliers.
     pub load: f64,
     /// W.
@@ -44,7 +44,7 @@ impl RowsAlone {
     /// Multipliers and gaps of a set, in the units of the system.
     fn of_set(&mut self, closed: &[bool]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
         let (m, rows, complement) = (self.rows.len(), &self.rows, &self.complement);
-        let share = |row: &Row| 1.0 - row.soft * row.spring;
+        let share = |row: &ScaledRow| 1.0 - row.soft * row.spring;
         let diagonal = |i: usize| if closed[i] { rows[i].soft / share(&rows[i]) } else { -1.0 / rows[i].spring };
         self.dense.eliminate(m, m, |i, j| complement[j * m + i] + if i == j { diagonal(i) } else { 0.0 })?;
         for (i, pivot) in self.dense.pivots().enumerate() {
@@ -56,7 +56,7 @@ impl RowsAlone {
         let mut nu: Vec<f64> =
             rows.iter().zip(closed).map(|(row, &closed)| row.load + if closed { row.offset / share(row) } else { 0.0 }).collect();
         self.dense.solve(&mut nu);
-        let of = |((row, nu), &closed): ((&Row, &f64), &bool)| {
+        let of = |((row, nu), &closed): ((&ScaledRow, &f64), &bool)| {
             if closed {
                 let lambda = (nu - row.spring * row.offset) / share(row);
                 (row.factor * lambda, row.soft * lambda / row.factor)

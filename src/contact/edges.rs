@@ -9,7 +9,7 @@ pub(super) const SAME_PLACE: f64 = 1e-9;
 
 /// An edge of an element, walked counter-clockwise in its local coordinates.
 #[derive(Clone, Debug)]
-pub(super) struct Edge {
+pub(super) struct ElementEdge {
     /// Local coordinates where it begins.
     pub from: Vector<2>,
     /// From there to its end.
@@ -27,10 +27,10 @@ pub(super) struct Edge {
 }
 
 /// The edges of every element in the order of [`cell::faces`]; edges with coincident middles are one.
-pub(super) fn edges<G: Geometry<2, 3> + ?Sized>(map: &G) -> Vec<Vec<Edge>> {
+pub(super) fn edges<G: Geometry<2, 3> + ?Sized>(map: &G) -> Vec<Vec<ElementEdge>> {
     let near = SAME_PLACE * map.extent().map_or(0.0, |b| b.diagonal());
     let mut table = MapTable::new();
-    let mut all: Vec<Vec<Edge>> = (0..map.num_elements())
+    let mut all: Vec<Vec<ElementEdge>> = (0..map.num_elements())
         .map(|element| {
             let kind = map.cell(element);
             let (corners, center) = (cell::corners::<2, f64>(kind), cell::center::<2, f64>(kind));
@@ -44,7 +44,7 @@ pub(super) fn edges<G: Geometry<2, 3> + ?Sized>(map: &G) -> Vec<Vec<Edge>> {
                 let x = table.x[1];
                 let is_point = [0, 2].into_iter().all(|k| (table.x[k] - x).norm() <= near);
                 let tangent = table.jacobian[1] * (to - from);
-                Edge { from, along: to - from, x, tangent, is_point, across: None, is_alone: false }
+                ElementEdge { from, along: to - from, x, tangent, is_point, across: None, is_alone: false }
             };
             cell::faces::<2, f64>(kind).into_iter().map(one).collect()
         })

@@ -1,6 +1,6 @@
 //! The closest point of a surface in space, as what a contact faces: a side of a body, the boundary of a solid, a surface.
 
-use super::edges::{Edge, SAME_PLACE, edges};
+use super::edges::{ElementEdge, SAME_PLACE, edges};
 use super::normal_cone::{NormalCone, angle};
 use super::several::Several;
 use super::surface_feet::SMOOTH;
@@ -31,7 +31,7 @@ const STEPS: usize = 20;
 pub struct FacingSurface {
     pub(super) closest: ClosestPoint<2, 3, Oriented<Several<Arc<dyn Geometry<2, 3>>>>>,
     /// The edges of every element; `is_alone` are the rims.
-    pub(super) edges: Vec<Vec<Edge>>,
+    pub(super) edges: Vec<Vec<ElementEdge>>,
     /// Local coordinates, places and normals of a grid on every element.
     pub(super) looks: Vec<Vec<(Vector<2>, Vector<3>, Vector<3>)>>,
     /// Cones of the normals of every element with those beside it, and of every node of the tree.
@@ -65,15 +65,15 @@ impl FacingSurface {
         // edges that lie on another element, of which they are no edge, are no rims
         for e in 0..count {
             for k in 0..new.edges[e].len() {
-                let Edge { x, is_alone, .. } = new.edges[e][k];
+                let ElementEdge { x, is_alone, .. } = new.edges[e][k];
                 new.edges[e][k].is_alone = is_alone && new.holding(&x).into_iter().all(|(g, _)| g == e);
             }
         }
         new
     }
 
-    fn is_sharp(&self, element: usize, edge: &Edge) -> bool {
-        let at = |e: usize, edge: &Edge| self.normal(e, &(edge.from + edge.along * 0.5));
+    fn is_sharp(&self, element: usize, edge: &ElementEdge) -> bool {
+        let at = |e: usize, edge: &ElementEdge| self.normal(e, &(edge.from + edge.along * 0.5));
         edge.across.is_some_and(|(other, k)| at(element, edge).dot(&at(other, &self.edges[other][k])) < SMOOTH)
     }
 
@@ -126,7 +126,7 @@ impl FacingSurface {
     }
 
     /// The edges of an element on which its place `xi` lies.
-    pub(super) fn edges_at<'a>(&'a self, element: usize, xi: &'a Vector<2>) -> impl Iterator<Item = &'a Edge> + 'a {
+    pub(super) fn edges_at<'a>(&'a self, element: usize, xi: &'a Vector<2>) -> impl Iterator<Item = &'a ElementEdge> + 'a {
         self.edges[element].iter().filter(move |edge| (xi - edge.from).perp(&edge.along).abs() <= AT_EDGE)
     }
 

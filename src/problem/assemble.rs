@@ -1,6 +1,7 @@
 //! Assembly of a problem: ties and contacts of its model, and the checks of the whole.
 
 use super::assembled::System;
+use super::body_locators::BodyLocators;
 use super::builder::Problem;
 use super::contact_part::SlaveOf;
 use super::coupled::{Contact, StatedOpponent, Tie};
@@ -13,7 +14,6 @@ use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
 use super::model::{BodySide, ContactModel, Model, TieModel};
 use super::obstacle::{ForceDriven, MovingObstacle};
-use super::places::Places;
 use super::solved::Common;
 use super::tie_part::TieCounts;
 use super::touching::Search;
@@ -48,7 +48,7 @@ where
     /// The work of [`assemble_movable`](Self::assemble_movable).
     pub(super) fn system(&self) -> Result<System<S, N>, ProblemErrors> {
         let model = Arc::new(self.built()?);
-        let (identity, regions, places) = (self.identity.clone(), self.regions.clone(), Places::new(model.patches.len()));
+        let (identity, regions, places) = (self.identity.clone(), self.regions.clone(), BodyLocators::new(model.patches.len()));
         Ok(System::new(Common { identity, regions, places, model, half_width: Trace::<S, N>::half_width }, self.times.clone()))
     }
 

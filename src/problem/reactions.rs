@@ -1,7 +1,7 @@
 //! Reactions of supports: forces on the bodies per side, edge and corner.
 
 use super::model::{BodySide, Model};
-use super::regions::Piece;
+use super::regions::RegionPart;
 use super::resultant::{Resultant, cross};
 use super::state::StepState;
 use crate::basis::{Order, ShapeTable};
@@ -34,7 +34,7 @@ struct Hold<const N: usize> {
 #[derive(Clone, Debug)]
 pub struct Reaction<const S: usize, const N: usize> {
     /// The side, edge or corner.
-    pub(super) on: Piece<S, N>,
+    pub(super) on: RegionPart<S, N>,
     /// The force, one entry per component of the unknown.
     pub force: Vec<f64>,
 }
@@ -101,11 +101,11 @@ fn axis<const N: usize>(component: usize) -> Vector<N> {
 }
 
 /// Returns all supports, and the directions they hold, ascending by function.
-fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<Piece<S, N>>, Vec<Hold<N>>) {
+fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<RegionPart<S, N>>, Vec<Hold<N>>) {
     let (mut supports, mut all) = (Vec::new(), Vec::new());
     for side in &model.supports {
         let support = supports.len();
-        supports.push(Piece::Side(side.clone()));
+        supports.push(RegionPart::Side(side.clone()));
         let conditions = model.conditions.iter().filter(|d| Arc::ptr_eq(&d.side, side) && !model.is_symmetry(d)).map(|d| axis(d.component));
         let held = model.held.iter().filter(|h| Arc::ptr_eq(&h.side, side)).map(|h| h.direction);
         let directions: Vec<Vector<N>> = conditions.chain(held).collect();
@@ -115,7 +115,7 @@ fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<Piece<S, N
     }
     for pin in &model.pins {
         let support = supports.len();
-        supports.push(Piece::Rim(pin.rim.clone()));
+        supports.push(RegionPart::Rim(pin.rim.clone()));
         let mut functions: Vec<usize> = pin.rim.rim.functions().iter().map(|&i| model.function(pin.rim.patch, i)).collect();
         functions.sort_unstable();
         functions.dedup();

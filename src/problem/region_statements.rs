@@ -5,7 +5,7 @@ use super::builder::Problem;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{BodyId, Kind, Region, RegionId, SideOf};
 use super::model::{BodyRim, BodySide};
-use super::regions::Piece;
+use super::regions::RegionPart;
 use crate::assembly::{Halved, HalvedScratch};
 use crate::basis::{Cell, Order};
 use crate::geometry::{Embedding, MapTable, cell, circumference};
@@ -56,7 +56,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let trace = self.compiled.side(body.body.space(), facets, kind).map_err(refused)?;
         let label = format!("{} where {what}", whole.label);
         let part = BodySide::of_trace(body, whole.patch, side.name, label, trace);
-        Ok(Some(self.new_region(vec![Piece::Side(Arc::new(part))])))
+        Ok(Some(self.new_region(vec![RegionPart::Side(Arc::new(part))])))
     }
 
     /// The edge or the corner in which sides of a body meet: two in the plane, two or three in space. The same for the same sides.
@@ -81,7 +81,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             return Err(none());
         }
         let label = format!("{}.{name}", self.bodies[patch].name);
-        let region = self.new_region(vec![Piece::Rim(Arc::new(BodyRim { patch, name: name.clone(), label, rim }))]);
+        let region = self.new_region(vec![RegionPart::Rim(Arc::new(BodyRim { patch, name: name.clone(), label, rim }))]);
         self.regions.rims.insert((patch, name), region.number);
         Ok(region)
     }
@@ -91,7 +91,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// # Errors
     /// Those of [`region`](Self::region).
     pub fn union<'a>(&mut self, regions: impl IntoIterator<Item = Region<'a>>) -> Result<RegionId, ProblemError> {
-        let mut all: Vec<Piece<S, N>> = Vec::new();
+        let mut all: Vec<RegionPart<S, N>> = Vec::new();
         for region in regions {
             let number = self.region(region)?.number;
             for piece in self.regions.pieces(number) {
@@ -103,7 +103,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok(self.new_region(all))
     }
 
-    fn new_region(&mut self, pieces: Vec<Piece<S, N>>) -> RegionId {
+    fn new_region(&mut self, pieces: Vec<RegionPart<S, N>>) -> RegionId {
         let number = self.regions.add(pieces);
         self.region_id(number)
     }
@@ -142,7 +142,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// The pieces of a region.
-    pub(super) fn pieces(&mut self, on: Region<'_>) -> Result<Vec<Piece<S, N>>, ProblemError> {
+    pub(super) fn pieces(&mut self, on: Region<'_>) -> Result<Vec<RegionPart<S, N>>, ProblemError> {
         let number = self.region(on)?.number;
         Ok(self.regions.pieces(number).to_vec())
     }
@@ -153,7 +153,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// [`ErrorKind::OtherProblem`].
     pub fn measure<'a>(&mut self, on: impl Into<Region<'a>>) -> Result<f64, ProblemError> {
         let pieces = self.pieces(on.into())?;
-        Ok(pieces.iter().filter(|piece| matches!(piece, Piece::Side(_))).map(Piece::measure).sum())
+        Ok(pieces.iter().filter(|piece| matches!(piece, RegionPart::Side(_))).map(RegionPart::measure).sum())
     }
 
     /// Measure of the part of a side in which `holds` [length^S], which cuts through facets: they are halved where it jumps.
@@ -172,9 +172,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// The sides of a region without edges and corners.
     pub(super) fn only_sides(&mut self, on: Region<'_>) -> Result<Vec<Arc<BodySide<S, N>>>, ProblemError> {
         let pieces = self.pieces(on)?;
-        let side = |piece: Piece<S, N>| match piece {
-            Piece::Side(side) => Ok(side),
-            Piece::Rim(rim) => Err(ProblemError::named(ErrorKind::NotASide, &[&rim.label])),
+        let side = |piece: RegionPart<S, N>| match piece {
+            RegionPart::Side(side) => Ok(side),
+            RegionPart::Rim(rim) => Err(ProblemError::named(ErrorKind::NotASide, &[&rim.label])),
         };
         pieces.into_iter().map(side).collect()
     }

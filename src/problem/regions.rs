@@ -13,14 +13,14 @@ pub type SideNames = Arc<dyn Fn(&str) -> String + Send + Sync>;
 
 /// A piece of a region.
 #[derive(Clone, Debug)]
-pub(super) enum Piece<const S: usize, const N: usize> {
+pub(super) enum RegionPart<const S: usize, const N: usize> {
     /// A side or a part of one.
     Side(Arc<BodySide<S, N>>),
     /// An edge or a corner, or points, edges or faces of a mesh that have a name.
     Rim(Arc<BodyRim<N>>),
 }
 
-impl<const S: usize, const N: usize> Piece<S, N> {
+impl<const S: usize, const N: usize> RegionPart<S, N> {
     pub fn label(&self) -> &str {
         match self {
             Self::Side(side) => &side.label,
@@ -62,7 +62,7 @@ impl<const S: usize, const N: usize> Piece<S, N> {
 /// The regions of a problem.
 #[derive(Clone)]
 pub struct Regions<const S: usize, const N: usize> {
-    list: Vec<Vec<Piece<S, N>>>,
+    list: Vec<Vec<RegionPart<S, N>>>,
     sides: HashMap<(usize, String), usize>,
     pub(super) rims: HashMap<(usize, String), usize>,
     /// Per body.
@@ -71,7 +71,7 @@ pub struct Regions<const S: usize, const N: usize> {
 
 impl<const S: usize, const N: usize> Debug for Regions<S, N> {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        f.debug_list().entries(self.list.iter().flatten().map(Piece::label)).finish()
+        f.debug_list().entries(self.list.iter().flatten().map(RegionPart::label)).finish()
     }
 }
 
@@ -87,12 +87,12 @@ impl<const S: usize, const N: usize> Regions<S, N> {
         self.names.push(names);
     }
 
-    pub(super) fn add(&mut self, pieces: Vec<Piece<S, N>>) -> usize {
+    pub(super) fn add(&mut self, pieces: Vec<RegionPart<S, N>>) -> usize {
         self.list.push(pieces);
         self.list.len() - 1
     }
 
-    pub(super) fn pieces(&self, number: usize) -> &[Piece<S, N>] {
+    pub(super) fn pieces(&self, number: usize) -> &[RegionPart<S, N>] {
         &self.list[number]
     }
 
@@ -115,10 +115,10 @@ impl<const S: usize, const N: usize> Regions<S, N> {
             None => format!("{}.{side}", bodies[body].name),
         };
         let made = match (BodySide::new(&bodies[body], body, side, label.clone()), bodies[body].body.submesh(side)) {
-            (Ok(made), _) => Piece::Side(Arc::new(made)),
+            (Ok(made), _) => RegionPart::Side(Arc::new(made)),
             (Err(_), Some(submesh)) => {
                 let rim = Rim::of_submesh(&**bodies[body].body.space(), &submesh, bodies[body].extra_points);
-                Piece::Rim(Arc::new(BodyRim { patch: body, name: side.to_owned(), label, rim }))
+                RegionPart::Rim(Arc::new(BodyRim { patch: body, name: side.to_owned(), label, rim }))
             }
             (Err(error), None) => return Err(error),
         };
@@ -134,7 +134,7 @@ impl<const S: usize, const N: usize> Regions<S, N> {
     pub fn side(&mut self, bodies: &[BodyModel<S, N>], body: usize, side: &str) -> Result<Arc<BodySide<S, N>>, SideError> {
         let number = self.number(bodies, body, side)?;
         match &self.list[number][..] {
-            [Piece::Side(side)] => Ok(side.clone()),
+            [RegionPart::Side(side)] => Ok(side.clone()),
             _ => {
                 let body = &bodies[body].body;
                 let unknown = || SideError::Unknown { side: side.to_owned(), known: body.sides().join(", ") };

@@ -4,7 +4,7 @@ use super::handles::Statement;
 use super::model::{
     BodySide, Condition, Foundation, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value,
 };
-use super::regions::Piece;
+use super::regions::RegionPart;
 use crate::linalg::Vector;
 use crate::space::Near;
 use std::sync::Arc;
@@ -49,13 +49,13 @@ impl<const S: usize, const N: usize> Said<S, N> {
         }
     }
 
-    pub fn condition(&mut self, of: Statement, piece: &Piece<S, N>, component: usize, value: Value) {
+    pub fn condition(&mut self, of: Statement, piece: &RegionPart<S, N>, component: usize, value: Value) {
         match piece {
-            Piece::Side(side) => {
+            RegionPart::Side(side) => {
                 self.conditions.push(Condition { of, side: side.clone(), component, value });
                 self.support(side);
             }
-            Piece::Rim(rim) => self.pins.push(PointCondition { of, rim: rim.clone(), component, value }),
+            RegionPart::Rim(rim) => self.pins.push(PointCondition { of, rim: rim.clone(), component, value }),
         }
     }
 }

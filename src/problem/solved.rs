@@ -2,6 +2,7 @@
 //!
 //! Behind a trait object, as that of systems.
 
+use super::body_locators::BodyLocators;
 use super::contact_zone::HalfWidth;
 use super::data::Exact;
 use super::error::{ErrorKind, ProblemError};
@@ -14,7 +15,6 @@ use super::lambda_field::LambdaField;
 use super::matrices::Matrices;
 use super::model::{BodyModel, ContactModel, ContactPart, Model, Opposing, TieModel};
 use super::physics::{OtherField, Physics, PointState};
-use super::places::Places;
 use super::reactions::{Reaction, reactions};
 use super::regions::Regions;
 use super::resultant::Resultant;
@@ -58,7 +58,7 @@ type Scalar<'a, const N: usize> = &'a (dyn Fn(&PointState<N>) -> f64 + Sync);
 pub(super) struct Common<const S: usize, const N: usize> {
     pub identity: Identity,
     pub regions: Regions<S, N>,
-    pub places: Places<N>,
+    pub places: BodyLocators<N>,
     pub model: Arc<Model<S, N>>,
     pub half_width: HalfWidth<S, N>,
 }

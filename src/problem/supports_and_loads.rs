@@ -5,7 +5,7 @@ use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{Components, Kind, Region, Statement, Unknown};
 use super::model::{Action, BodySide, HeldSide, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
-use super::regions::Piece;
+use super::regions::RegionPart;
 use crate::assembly::{Equation, planar_normal};
 use crate::linalg::Vector;
 use std::sync::Arc;
@@ -104,7 +104,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         for (side, normal) in sides.iter().zip(normals) {
             if let Some(axis) = (0..N).find(|&k| (normal[k].abs() - 1.0).abs() < PERPENDICULAR) {
                 for component in (0..N).filter(|&c| (c == axis) == along_normal) {
-                    self.said.condition(of, &Piece::Side(side.clone()), component, Value::Zero);
+                    self.said.condition(of, &RegionPart::Side(side.clone()), component, Value::Zero);
                 }
                 continue;
             }
@@ -184,24 +184,24 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     pub fn force<'a>(&mut self, on: impl Into<Region<'a>>, component: usize, force: impl Into<Data>) -> Result<Statement, ProblemError> {
         let (pieces, component, force) = (self.pieces(on.into())?, self.component(component)?, force.into());
         let is_revolved = self.is_revolved;
-        let pieces: Vec<Piece<S, N>> = pieces.into_iter().map(|piece| if is_revolved { piece.revolved() } else { piece }).collect();
-        let dimension = |piece: &Piece<S, N>| match piece {
-            Piece::Side(_) => S,
-            Piece::Rim(rim) => rim.rim.dimension,
+        let pieces: Vec<RegionPart<S, N>> = pieces.into_iter().map(|piece| if is_revolved { piece.revolved() } else { piece }).collect();
+        let dimension = |piece: &RegionPart<S, N>| match piece {
+            RegionPart::Side(_) => S,
+            RegionPart::Rim(rim) => rim.rim.dimension,
         };
         if let Some(other) = pieces.iter().find(|piece| dimension(piece) != dimension(&pieces[0])) {
             return Err(ProblemError::named(ErrorKind::MixedRegion, &[pieces[0].label(), other.label()]));
         }
-        let measure = pieces.iter().map(Piece::measure).sum();
+        let measure = pieces.iter().map(RegionPart::measure).sum();
         let of = self.statement();
         for piece in pieces {
             let (group, name) = (of, piece.label().to_owned());
             match piece {
-                Piece::Side(side) => {
+                RegionPart::Side(side) => {
                     let action = Action::Force(component, force.clone(), measure);
                     self.said.loads.push(SideLoad { of, group, name, side, action });
                 }
-                Piece::Rim(rim) => {
+                RegionPart::Rim(rim) => {
                     self.said.point_loads.push(PointLoad { of, group, name, rim, component, force: force.clone(), measure });
                 }
             }

@@ -1,7 +1,7 @@
 //! The matrices of some cells, batch after batch.
 
 pub(super) use super::lanes::Entries;
-use super::lanes::{Jacobians, Layout, bent, constant, jacobians, products, pulled_back};
+use super::lanes::{Jacobians, OutputLayout, bent, constant, jacobians, products, pulled_back};
 use super::slots::{BATCH, Batch};
 use super::tables::Tables;
 use crate::assembly::source::{Integrand, PointTangent};
@@ -172,7 +172,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
             for (q, &w) in tables.at.weights.iter().enumerate() {
                 scratch.weights.push([[simd.mul_f64s(simd.splat_f64s(w), simd.abs_f64s(scratch.jacobians.det[at(q)]))]]);
             }
-            let layout = Layout { stride: 1, offset: 0, upper: run.upper };
+            let layout = OutputLayout { stride: 1, offset: 0, upper: run.upper };
             products(simd, &tables.values, &scratch.weights, &mut scratch.tested_values, layout, out);
             return;
         }
@@ -181,7 +181,7 @@ impl<S: Simd, const N: usize> pulp::NullaryFnOnce for Part<'_, '_, S, N> {
         }
         let pairs = run.components * run.components;
         for pair in 0..pairs {
-            let layout = Layout { stride: pairs, offset: pair, upper: run.upper };
+            let layout = OutputLayout { stride: pairs, offset: pair, upper: run.upper };
             if is_constant {
                 let entries = run.constant[pair].iter().map(|&(i, j, t)| (i, j, simd.splat_f64s(t)));
                 let d = pulled_back(simd, &scratch.jacobians, 0, 1.0, entries);

@@ -122,7 +122,7 @@ pub(super) fn pulled_back<S: Simd, const N: usize>(
 
 /// Output layout of a kernel: entry (a, b) at `(a * padded + b) * stride + offset`.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Layout {
+pub(super) struct OutputLayout {
     pub stride: usize,
     pub offset: usize,
     /// Whether only b >= a is computed.
@@ -138,7 +138,7 @@ pub(super) fn products<S: Simd, const K: usize>(
     tables: &Products<K>,
     d: &[[[S::f64s; K]; K]],
     tested: &mut Vec<[S::f64s; K]>,
-    layout: Layout,
+    layout: OutputLayout,
     out: &mut [S::f64s],
 ) {
     let zero = simd.splat_f64s(0.0);
@@ -175,7 +175,13 @@ pub(super) fn products<S: Simd, const K: usize>(
 
 /// sum_kl D_kl S_ab,kl of all a and b, or of b >= a, with sums S over the points: D is constant.
 #[inline(always)]
-pub(super) fn constant<S: Simd, const N: usize>(simd: S, tables: &Tables<N>, d: &[[S::f64s; N]; N], layout: Layout, out: &mut [S::f64s]) {
+pub(super) fn constant<S: Simd, const N: usize>(
+    simd: S,
+    tables: &Tables<N>,
+    d: &[[S::f64s; N]; N],
+    layout: OutputLayout,
+    out: &mut [S::f64s],
+) {
     let zero = simd.splat_f64s(0.0);
     let padded = tables.grads.padded();
     for (a, row) in tables.sums.chunks_exact(tables.at.functions).enumerate() {

@@ -50,7 +50,7 @@ use nodes::MapNodes;
 use points::{Key, Kinds, PointTables, SameTables};
 use rayon::prelude::*;
 use scatter::Rows;
-use slots::Places;
+use slots::RowPlaces;
 use std::any::TypeId;
 use std::ops::Range;
 use tables::Tables;
@@ -120,8 +120,8 @@ impl<'a, const D: usize, const N: usize, T: Real> CellSpace<'a, D, N, T> {
         let ranges = shares(ptr, rayon::current_num_threads());
         let owned = parts(values, &ranges, |i| C * C * ptr[i]);
         owned.into_par_iter().zip(ranges).for_each(|(values, functions)| match &slots.places {
-            Places::Short(places) => self.rows::<C, u16>(pattern, places, source, symmetric, functions, (values, add)),
-            Places::Long(places) => self.rows::<C, u32>(pattern, places, source, symmetric, functions, (values, add)),
+            RowPlaces::Short(places) => self.rows::<C, u16>(pattern, places, source, symmetric, functions, (values, add)),
+            RowPlaces::Long(places) => self.rows::<C, u32>(pattern, places, source, symmetric, functions, (values, add)),
         });
     }
 

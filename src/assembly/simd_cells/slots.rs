@@ -52,12 +52,12 @@ pub(in crate::assembly) struct Slots {
     /// The functions of the cells in the order of the batches: read from front to back, whatever order the elements have.
     ids: Vec<u32>,
     /// The places.
-    pub places: Places,
+    pub places: RowPlaces,
 }
 
 /// Places in rows, in two bytes if all rows are short enough.
 #[derive(Clone, Debug)]
-pub(in crate::assembly) enum Places {
+pub(in crate::assembly) enum RowPlaces {
     Short(Buffer<u16>),
     Long(Buffer<u32>),
 }
@@ -115,12 +115,12 @@ impl Slots {
             let mut places = Buffer::<u16>::zeros(all);
             let sites = Sites { places: &mut places, first: &first, entries: &entries, begin: &begin };
             let cols = graph.columns_and_places(ptr, sites, owners);
-            (cols, Self { batches, ids, places: Places::Short(places) })
+            (cols, Self { batches, ids, places: RowPlaces::Short(places) })
         } else {
             let mut places = Buffer::<u32>::zeros(all);
             let sites = Sites { places: &mut places, first: &first, entries: &entries, begin: &begin };
             let cols = graph.columns_and_places(ptr, sites, owners);
-            (cols, Self { batches, ids, places: Places::Long(places) })
+            (cols, Self { batches, ids, places: RowPlaces::Long(places) })
         }
     }
 

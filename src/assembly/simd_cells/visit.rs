@@ -3,7 +3,7 @@
 use super::batch::Nodes;
 use super::points::PointTables;
 use crate::assembly::sum_factorization::{
-    Cell, Physical, PointCallback, PointOperator, QuadraturePoints, Squares, add_moments, finish, inverse, numbers_of_map, physical,
+    CellPoints, Physical, PointCallback, PointOperator, QuadraturePoints, Squares, add_moments, finish, inverse, numbers_of_map, physical,
     state_size, tested,
 };
 use pulp::{NullaryFnOnce, Simd, WithSimd, bytemuck};
@@ -67,7 +67,7 @@ impl<const D: usize> WithSimd for BatchVisit<'_, D> {
             }
             nodes(&here, ids, bytemuck::cast_slice_mut(places.as_flattened_mut()));
             simd.vectorize(BatchMap { simd, tables, nodes: &places, out: &mut map });
-            let mut cell = Cell { points, map: &map, kept: &[], weight: None, state: &[] };
+            let mut cell = CellPoints { points, map: &map, kept: &[], weight: None, state: &[] };
             if let Some(read) = state {
                 read(&here, ids, bytemuck::cast_slice_mut(&mut unknowns));
                 simd.vectorize(Spread::<'_, S, D> { simd, tables, width, field: &unknowns, out: &mut g });
@@ -245,7 +245,7 @@ impl<S: Simd, const D: usize> NullaryFnOnce for Spread<'_, S, D> {
 /// Squares of the difference between the field and the given values `other`.
 struct Compare<'a, 'l, S: Simd, const D: usize> {
     simd: S,
-    cell: Cell<'a, S::f64s>,
+    cell: CellPoints<'a, S::f64s>,
     g: &'a mut [S::f64s],
     squares: &'a mut Squares<'l, S::f64s>,
     other: &'a [S::f64s],

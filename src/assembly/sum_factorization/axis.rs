@@ -9,7 +9,7 @@ pub(super) const COMPILED: std::ops::RangeInclusive<usize> = 2..=6;
 
 /// A univariate basis at the points of a rule, element after element.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Axis {
+pub(super) struct AxisTable {
     /// Number of functions.
     pub functions: usize,
     /// Active functions per element, the same on all.
@@ -34,7 +34,7 @@ pub(super) struct Axis {
     pub sums: Vec<usize>,
 }
 
-impl Axis {
+impl AxisTable {
     /// The tables of `basis` at the points of `rule`; `None` unless all elements have the same number of consecutive
     /// functions, which never fall from one element to the next.
     pub fn new<T: Real>(basis: &dyn Basis<1, T>, rule: &dyn Quadrature<1, T>) -> Option<Self> {

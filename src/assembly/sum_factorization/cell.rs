@@ -1,6 +1,6 @@
 //! A cell of the grid of points: its position, and its map, from the line of a tensor field or evaluated element by element.
 
-use super::axis::Axis;
+use super::axis::AxisTable;
 use super::interpolate;
 use super::map::{self, MapEvaluator, numbers};
 use super::tensor_field::TensorField;
@@ -23,7 +23,7 @@ pub(super) struct Here<'a> {
 
 /// The points of a cell: one element of the first direction, one point of the middle one, a tile of the slowest one.
 #[derive(Clone, Copy)]
-pub(in crate::assembly) struct Cell<'a, V> {
+pub(in crate::assembly) struct CellPoints<'a, V> {
     /// Number of points.
     pub points: usize,
     /// The map, `[point * numbers(N) + k]`, see `map`; empty if other data were stored.
@@ -38,7 +38,7 @@ pub(in crate::assembly) struct Cell<'a, V> {
 
 /// F / W and its local derivatives at point `q` from those of the numerator F, where the basis is rational.
 #[inline(always)]
-pub(super) fn quotient<S: Simd, const N: usize>(simd: S, cell: Cell<'_, S::f64s>, q: usize, g: &mut [S::f64s]) {
+pub(super) fn quotient<S: Simd, const N: usize>(simd: S, cell: CellPoints<'_, S::f64s>, q: usize, g: &mut [S::f64s]) {
     let Some(weight) = cell.weight else { return };
     let w = &weight[q * (N + 1)..][..N + 1];
     let inverse = simd.div_f64s(simd.splat_f64s(1.0), w[0]);
@@ -54,7 +54,7 @@ pub(super) struct FromNet<'a, S: Simd, const N: usize> {
     /// The net of the map.
     pub net: &'a TensorField,
     /// First direction of the grid, and its element.
-    pub axis: &'a Axis,
+    pub axis: &'a AxisTable,
     pub first: usize,
     pub line: &'a [S::f64s],
     /// Weights of the other directions.
@@ -97,7 +97,7 @@ pub(super) fn fill_asked<S: Simd, const N: usize>(simd: S, weights: &[f64], oute
 
 /// Positions and tangents of a cell from a map that is evaluated element by element.
 pub(super) fn ask_cell<const N: usize>(
-    axes: &[Axis],
+    axes: &[AxisTable],
     here: Here<'_>,
     ask: &mut MapEvaluator<'_>,
     xi: &mut Vec<f64>,

@@ -20,7 +20,7 @@
 //!
 //! u0 = N_i' T_dd + N_i T_0d, u1 = N_i' T_d0 + N_i T_00, sum_(i,j) += u0 N_j' + u1 N_j: 4 + 2 (p + 1) products.
 
-use super::axis::Axis;
+use super::axis::AxisTable;
 use super::simd::{COMPONENTS_AT_ONCE, rows};
 use super::sweep::Strip;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
@@ -115,7 +115,7 @@ pub(super) struct ContractionGroup {
 /// [`contract`] of one tile, entered with the instruction set: compiled once for plane and solid patches.
 pub(super) struct Contract<'a, S: Simd> {
     pub simd: S,
-    pub axis: &'a Axis,
+    pub axis: &'a AxisTable,
     pub strip: &'a Strip,
     pub d: &'a [S::f64s],
     pub stride: usize,
@@ -145,7 +145,7 @@ impl<S: Simd> NullaryFnOnce for Contract<'_, S> {
 #[inline(always)]
 fn contract_fast<S: Simd, const NP: usize>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     strip: &Strip,
     d: &[S::f64s],
     stride: usize,
@@ -173,7 +173,7 @@ fn contract_fast<S: Simd, const NP: usize>(
 #[inline(always)]
 fn group<S: Simd, const NP: usize, const K: usize, const MASK: u8>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     strip: &Strip,
     d: &[S::f64s],
     stride: usize,
@@ -228,7 +228,7 @@ fn group<S: Simd, const NP: usize, const K: usize, const MASK: u8>(
 #[inline(always)]
 fn segment<S: Simd, const NP: usize, const K: usize, const MASK: u8, const A: usize>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     e: usize,
     d: &[S::f64s],
     stride: usize,
@@ -312,7 +312,7 @@ pub(super) struct Tiles<'a> {
 #[inline(always)]
 pub(super) fn contract_middle<S: Simd, const NP: usize>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     (i, elements): (usize, Range<usize>),
     t: &[S::f64s],
     at: Tiles<'_>,
@@ -358,7 +358,7 @@ pub(super) fn contract_middle<S: Simd, const NP: usize>(
 #[inline(always)]
 pub(super) fn values_middle<S: Simd, const NP: usize>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     (i, elements): (usize, Range<usize>),
     t: &[S::f64s],
     at: Tiles<'_>,
@@ -408,7 +408,7 @@ impl Ring {
 #[inline(always)]
 pub(super) fn contract_slow<S: Simd, const NP: usize>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     e: usize,
     t: &[S::f64s],
     [count, points, origin]: [usize; 3],
@@ -452,7 +452,7 @@ pub(super) fn contract_slow<S: Simd, const NP: usize>(
 #[inline(always)]
 pub(super) fn values_slow<S: Simd, const NP: usize>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     e: usize,
     t: &[S::f64s],
     [count, points, origin]: [usize; 3],

@@ -4,8 +4,8 @@
 //!
 //! Per direction only the number of derivatives matters: N², N N', N'².
 
-use super::axis::Axis;
-use super::cell::{Cell, Here};
+use super::axis::AxisTable;
+use super::cell::{CellPoints, Here};
 use super::grid::{QuadratureGrid, Sink, Visit};
 use super::point_operator::PointOperator;
 use pulp::{Simd, bytemuck};
@@ -15,13 +15,13 @@ pub(super) const ORDERS: usize = 3;
 
 /// N², N N', N'² at point `q` for local function `a`.
 #[inline(always)]
-pub(super) fn squares(axis: &Axis, q: usize, a: usize) -> [f64; ORDERS] {
+pub(super) fn squares(axis: &AxisTable, q: usize, a: usize) -> [f64; ORDERS] {
     let (v, s) = (axis.values[q * axis.active + a], axis.slopes[q * axis.active + a]);
     [v * v, v * s, s * s]
 }
 
 struct Diagonal<'a, V> {
-    axes: &'a [Axis],
+    axes: &'a [AxisTable],
     law: &'a PointOperator<'a>,
     components: usize,
     planes: Vec<V>,
@@ -55,7 +55,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for Diagonal<'_, S::f64s> {
     }
 
     #[inline(always)]
-    fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>) {
+    fn cell(&mut self, simd: S, here: Here<'_>, cell: CellPoints<'_, S::f64s>) {
         let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
         let (axis, width) = (&self.axes[0], self.components);
         self.law.tangents::<S, N>(simd, width, cell, &mut self.buffer, &mut self.tangents);

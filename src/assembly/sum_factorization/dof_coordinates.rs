@@ -1,6 +1,6 @@
 //! Coordinates of the unknowns of a patch: the mean of x over the points, weighted by the squared function.
 
-use super::axis::Axis;
+use super::axis::AxisTable;
 use super::map::{self, ElementScratch, Map, MapTile, numbers};
 use super::tensor_field::{Curves, Tile};
 use super::{Patch, Patches};
@@ -114,7 +114,7 @@ fn planes<S: Simd, const N: usize>(
 }
 
 /// sum_q N_i(q)² values[q][..] for all functions of an axis.
-fn contracted(axis: &Axis, values: &[f64], width: usize) -> Contracted {
+fn contracted(axis: &AxisTable, values: &[f64], width: usize) -> Contracted {
     let mut out = vec![0.0; axis.functions * width];
     for e in 0..axis.elements() {
         for q in axis.start[e]..axis.start[e + 1] {
@@ -131,7 +131,7 @@ fn contracted(axis: &Axis, values: &[f64], width: usize) -> Contracted {
 struct Positions<'a, S: Simd, const N: usize> {
     simd: S,
     net: &'a super::TensorField,
-    axes: &'a [Axis],
+    axes: &'a [AxisTable],
     place: MapTile<'a>,
     curves: &'a Curves,
     tile: &'a Tile<S::f64s>,

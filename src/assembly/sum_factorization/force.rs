@@ -1,8 +1,8 @@
 //! Loads: forces at the points, contracted with the functions direction by direction; their sum and their first moments. Internal
 //! forces: stresses at the points, contracted with the gradients of the functions; the energy.
 
-use super::axis::Axis;
-use super::cell::{Cell, Here};
+use super::axis::AxisTable;
+use super::cell::{CellPoints, Here};
 use super::grid::{PointCallback, QuadratureGrid, QuadraturePoints, Sink, Visit};
 use super::integrate::{self, Gather};
 use super::map::numbers;
@@ -15,7 +15,7 @@ use std::ops::Range;
 
 /// Forces times values of the functions (K = 1), or stresses times their gradients (K = N).
 struct Force<'a, V, const K: usize> {
-    axes: &'a [Axis],
+    axes: &'a [AxisTable],
     width: usize,
     answer: &'a PointCallback<'a>,
     sites: QuadraturePoints,
@@ -45,7 +45,7 @@ impl<S: Simd, const N: usize, const K: usize> Visit<S, N> for Force<'_, S::f64s,
     }
 
     #[inline(always)]
-    fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>) {
+    fn cell(&mut self, simd: S, here: Here<'_>, cell: CellPoints<'_, S::f64s>) {
         let (width, (size, _)) = (self.width, sizes::<N, K>(self.width));
         if K > 1 {
             self.sites.locate::<N>(self.axes, here);

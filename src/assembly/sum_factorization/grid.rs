@@ -6,8 +6,8 @@
 //! Points of a cell passed to a closure, and its values put back in lanes.
 
 use super::Patch;
-use super::axis::Axis;
-use super::cell::{Cell, FromNet, Here, ask_cell, fill_asked};
+use super::axis::AxisTable;
+use super::cell::{CellPoints, FromNet, Here, ask_cell, fill_asked};
 use super::interpolate::{self, Coefficients, Interpolation};
 use super::map::{Map, MapEvaluator, MapEvaluators, numbers};
 use super::numbering::PatchNumbering;
@@ -36,7 +36,7 @@ pub(super) trait Visit<S: Simd, const N: usize>: Send {
         false
     }
     /// A cell.
-    fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>);
+    fn cell(&mut self, simd: S, here: Here<'_>, cell: CellPoints<'_, S::f64s>);
     /// An element of the middle direction ends.
     fn close(&mut self, simd: S, element: usize);
     /// A tile ends: its results to `out`, as many numbers for every lane.
@@ -49,7 +49,7 @@ pub(super) type Sink<'a> = dyn FnMut(Range<usize>, &[f64]) + Send + 'a;
 
 /// Source of the map, or of data stored in its place.
 #[derive(Clone, Copy)]
-pub(super) enum Points<'a, 'p> {
+pub(super) enum PointSource<'a, 'p> {
     /// Control points, with weights as last number where it is rational.
     TensorField(&'a TensorField),
     /// Any map, element by element.
@@ -64,13 +64,13 @@ pub(super) enum Points<'a, 'p> {
 #[derive(Clone, Copy)]
 pub(super) struct QuadratureGrid<'a, 'p> {
     /// The directions.
-    pub axes: &'a [Axis],
+    pub axes: &'a [AxisTable],
     /// The weight function of a rational basis.
     pub weight: Option<&'a TensorField>,
     /// The state whose gradients are evaluated; none where other data were stored in place of the map.
     pub state: Option<State<'a>>,
     /// The map.
-    pub points: Points<'a, 'p>,
+    pub points: PointSource<'a, 'p>,
     /// First element.
     pub first_element: usize,
     /// The instruction set.
@@ -80,8 +80,8 @@ pub(super) struct QuadratureGrid<'a, 'p> {
 impl<'p> Patch<'p> {
     pub(super) fn grid(&self) -> QuadratureGrid<'_, 'p> {
         let points = match &self.map {
-            Map::TensorField(net) => Points::TensorField(net),
-            Map::Elements(asks, _) => Points::Elements(*asks),
+            Map::TensorField(net) => PointSource::TensorField(net),
+            Map::Elements(asks, _) => PointSource::Elements(*asks),
         };
         let weight = self.weight.as_ref().map(|(net, _)| net);
         QuadratureGrid { axes: &self.axes, weight, state: None, points, first_element: self.first_element, arch: self.arch }
@@ -141,17 +141,17 @@ impl<'a, 'p> QuadratureGrid<'a, 'p> {
     }
 
     /// Source of the map on tile `k` of `tiles`: its part of stored data.
-    fn tile(&self, k: usize, tiles: usize) -> Points<'a, 'p> {
+    fn tile(&self, k: usize, tiles: usize) -> PointSource<'a, 'p> {
         let part = |all: &'a [f64]| &all[k * (all.len() / tiles)..(k + 1) * (all.len() / tiles)];
         match self.points {
-            Points::Map(all) => Points::Map(part(all)),
-            Points::Other(all, size) => Points::Other(part(all), size),
+            PointSource::Map(all) => PointSource::Map(part(all)),
+            PointSource::Other(all, size) => PointSource::Other(part(all), size),
             other => other,
         }
     }
 
     fn scratch<V>(&self) -> Scratch<'p, V> {
-        let ask = if let Points::Elements(asks) = self.points { Some(asks()) } else { None };
+        let ask = if let PointSource::Elements(asks) = self.points { Some(asks()) } else { None };
         Scratch {
             map: Interpolation::default(),
             weight: Interpolation::default(),
@@ -181,7 +181,7 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
         let Self { simd, grid, scratch, visit, out } = self;
         let Scratch { map, weight, state, numbers: filled, weights, lanes, ask, xi, asked } = scratch;
         let axes = grid.axes;
-        let (map_net, weight_net) = (if let Points::TensorField(net) = grid.points { Some(net) } else { None }, grid.weight);
+        let (map_net, weight_net) = (if let PointSource::TensorField(net) = grid.points { Some(net) } else { None }, grid.weight);
         let (read_map, read_weight) = (reader(map_net), reader(weight_net));
         let of_map = map_net.map(|net| Coefficients { axes: &net.axes, width: net.width, read: &read_map });
         let of_weight = weight_net.map(|net| Coefficients { axes: &net.axes, width: 1, read: &read_weight });
@@ -199,7 +199,7 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
             visit.open(simd, e);
             for (k, q) in (if N == 3 { axes[1].start[e]..axes[1].start[e + 1] } else { 0..1 }).enumerate() {
                 let outer = if N == 3 { simd.mul_f64s(slow, simd.splat_f64s(axes[1].weights[q])) } else { slow };
-                if let (Points::Other(all, size), None) = (grid.points, grid.weight) {
+                if let (PointSource::Other(all, size), None) = (grid.points, grid.weight) {
                     let line = axes[0].points() * size * S::F64_LANES;
                     if visit.line(simd, (q, k), bytemuck::cast_slice(&all[q * line..][..line])) {
                         continue;
@@ -208,22 +208,22 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
                 for first in 0..axes[0].elements() {
                     let here = Here { first_element: grid.first_element, first, middle: (q, k), middle_element: e, lanes };
                     let points = axes[0].start[first]..axes[0].start[first + 1];
-                    let mut cell = Cell { points: points.len(), map: &[], kept: &[], weight: None, state: &[] };
+                    let mut cell = CellPoints { points: points.len(), map: &[], kept: &[], weight: None, state: &[] };
                     let part = |all, size: usize| {
                         let line = size * S::F64_LANES;
                         let all: &[f64] = all;
                         bytemuck::cast_slice(&all[(q * axes[0].points() + points.start) * line..][..points.len() * line])
                     };
                     match grid.points {
-                        Points::Map(all) => cell.map = part(all, numbers(N)),
-                        Points::Other(all, size) => cell.kept = part(all, size),
-                        Points::TensorField(net) => {
+                        PointSource::Map(all) => cell.map = part(all, numbers(N)),
+                        PointSource::Other(all, size) => cell.kept = part(all, size),
+                        PointSource::TensorField(net) => {
                             filled.resize(points.len() * numbers(N));
                             let line = of_map.map_or(&[][..], |field| map.line::<N>(field, k));
                             simd.vectorize(FromNet::<'_, S, N> { simd, net, axis: &axes[0], first, line, outer, out: filled });
                             cell.map = filled;
                         }
-                        Points::Elements(_) => {
+                        PointSource::Elements(_) => {
                             filled.resize(points.len() * numbers(N));
                             if let Some(ask) = ask {
                                 ask_cell::<N>(axes, here, ask, xi, asked, S::F64_LANES, bytemuck::cast_slice_mut(&mut filled[..]));
@@ -253,7 +253,7 @@ impl<S: Simd, const N: usize, V: Visit<S, N>> NullaryFnOnce for Tile<'_, '_, S, 
 #[inline(always)]
 fn fill_weights<S: Simd, const N: usize>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     (points, e): (Range<usize>, usize),
     line: &[S::f64s],
     weights: &mut [S::f64s],
@@ -278,7 +278,7 @@ fn reader(net: Option<&TensorField>) -> impl Fn(usize, &mut [f64]) + Sync + '_ {
 
 /// Weights of the points in lanes.
 #[inline(always)]
-fn slow_weights<S: Simd>(simd: S, axis: &Axis, lanes: &[(usize, usize)]) -> S::f64s {
+fn slow_weights<S: Simd>(simd: S, axis: &AxisTable, lanes: &[(usize, usize)]) -> S::f64s {
     let mut weights = simd.splat_f64s(0.0);
     let numbers: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut weights));
     for (w, &(q, _)) in numbers.iter_mut().zip(lanes) {
@@ -312,7 +312,7 @@ impl QuadraturePoints {
     pub(in crate::assembly) fn ask<S: Simd, const N: usize>(
         &mut self,
         simd: S,
-        cell: Cell<'_, S::f64s>,
+        cell: CellPoints<'_, S::f64s>,
         lanes: &[(usize, usize)],
         answer: &PointCallback<'_>,
         size: usize,
@@ -350,7 +350,7 @@ impl QuadraturePoints {
     }
 
     /// Sets elements and local points of a cell, for closures that depend on them.
-    pub(super) fn locate<const N: usize>(&mut self, axes: &[Axis], here: Here<'_>) {
+    pub(super) fn locate<const N: usize>(&mut self, axes: &[AxisTable], here: Here<'_>) {
         let along = axes[0].start[here.first]..axes[0].start[here.first + 1];
         let counts = [axes[0].elements(), if N == 3 { axes[1].elements() } else { 1 }];
         self.elements.clear();

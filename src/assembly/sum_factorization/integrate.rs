@@ -3,7 +3,7 @@
 //! Mirrors `spread`: lines (K = N kinds, or the value alone: K = 1), planes (two kinds, or one), sums. The slowest
 //! direction is summed point by point in ascending order, so that the bits depend neither on lanes nor on threads.
 
-use super::axis::Axis;
+use super::axis::AxisTable;
 use super::simd::{Aligned, rows};
 use crate::linalg::{Real, lit};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
@@ -30,14 +30,14 @@ impl<V: bytemuck::Pod, const K: usize> Gather<V, K> {
 
     /// Starts a tile.
     #[inline(always)]
-    pub fn start<S: Simd<f64s = V>>(&mut self, _simd: S, axes: &[Axis]) {
+    pub fn start<S: Simd<f64s = V>>(&mut self, _simd: S, axes: &[AxisTable]) {
         let functions: usize = axes[..axes.len() - 1].iter().map(|a| a.functions).product();
         self.planes.zeros(self.width * functions * plane_kinds(K));
     }
 
     /// Starts an element of the middle direction.
     #[inline(always)]
-    pub fn open<S: Simd<f64s = V>, const N: usize>(&mut self, _simd: S, axes: &[Axis], e: usize) {
+    pub fn open<S: Simd<f64s = V>, const N: usize>(&mut self, _simd: S, axes: &[AxisTable], e: usize) {
         if N == 3 {
             let points = axes[1].start[e + 1] - axes[1].start[e];
             self.lines.zeros(points * self.width * axes[0].functions * K);
@@ -46,7 +46,7 @@ impl<V: bytemuck::Pod, const K: usize> Gather<V, K> {
 
     /// The line of the `k`-th point of the element of the middle direction, to add to.
     #[inline(always)]
-    pub fn line<const N: usize>(&mut self, axes: &[Axis], k: usize) -> &mut [V] {
+    pub fn line<const N: usize>(&mut self, axes: &[AxisTable], k: usize) -> &mut [V] {
         if N == 2 {
             return &mut self.planes;
         }
@@ -55,14 +55,14 @@ impl<V: bytemuck::Pod, const K: usize> Gather<V, K> {
     }
 
     /// Contracts the lines of element `e` of the middle direction.
-    pub fn close<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, axes: &[Axis], e: usize) {
+    pub fn close<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, axes: &[AxisTable], e: usize) {
         if N == 3 {
             simd.vectorize(Close { simd, to: self, axes, e });
         }
     }
 
     #[inline(always)]
-    fn middle<S: Simd<f64s = V>, const NP: usize>(&mut self, simd: S, axes: &[Axis], e: usize) {
+    fn middle<S: Simd<f64s = V>, const NP: usize>(&mut self, simd: S, axes: &[AxisTable], e: usize) {
         let zero = simd.splat_f64s(0.0);
         let axis = &axes[1];
         let points = axis.start[e]..axis.start[e + 1];
@@ -114,7 +114,7 @@ impl<V: bytemuck::Pod, const K: usize> Gather<V, K> {
 struct Close<'a, S: Simd, const K: usize> {
     simd: S,
     to: &'a mut Gather<S::f64s, K>,
-    axes: &'a [Axis],
+    axes: &'a [AxisTable],
     e: usize,
 }
 
@@ -137,7 +137,7 @@ impl<S: Simd, const K: usize> NullaryFnOnce for Close<'_, S, K> {
 #[inline(always)]
 pub(super) fn cell<S: Simd, const N: usize, const K: usize, const NP: usize, const VALUE: bool>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     e: usize,
     width: usize,
     t: &[S::f64s],
@@ -180,7 +180,7 @@ pub(super) fn cell<S: Simd, const N: usize, const K: usize, const NP: usize, con
 
 /// Adds the slowest direction at its points `points`, planes by points at the front of `size` numbers each, to `out`.
 pub(super) fn slow<T: Real>(
-    axis: &Axis,
+    axis: &AxisTable,
     owners: &[usize],
     (kinds, size): (usize, usize),
     planes: &[f64],

@@ -3,7 +3,7 @@
 //! Lanes are points of the slowest direction, so that no later step mixes them: coefficients become planes (value and
 //! derivative along the slowest direction), planes become lines (value, and the derivative along each outer direction).
 
-use super::axis::Axis;
+use super::axis::AxisTable;
 use super::simd::{Aligned, rows};
 use pulp::{NullaryFnOnce, Simd, bytemuck};
 
@@ -14,7 +14,7 @@ pub(super) type Read<'a> = dyn Fn(usize, &mut [f64]) + Sync + 'a;
 #[derive(Clone, Copy)]
 pub(super) struct Coefficients<'a> {
     /// The directions of the functions.
-    pub axes: &'a [Axis],
+    pub axes: &'a [AxisTable],
     /// Numbers per function.
     pub width: usize,
     /// The numbers, those of one function together.
@@ -107,7 +107,7 @@ impl<V: bytemuck::Pod> Interpolation<V> {
     }
 
     #[inline(always)]
-    fn lines_of<S: Simd<f64s = V>, const NP: usize>(&mut self, simd: S, axis: &Axis, width: usize, e: usize) {
+    fn lines_of<S: Simd<f64s = V>, const NP: usize>(&mut self, simd: S, axis: &AxisTable, width: usize, e: usize) {
         let zero = simd.splat_f64s(0.0);
         let points = axis.start[e]..axis.start[e + 1];
         let (values, slopes) = (&rows::<NP>(&axis.values)[points.clone()], &rows::<NP>(&axis.slopes)[points]);
@@ -128,7 +128,7 @@ impl<V: bytemuck::Pod> Interpolation<V> {
     }
 
     #[inline(always)]
-    fn lines_of_any<S: Simd<f64s = V>>(&mut self, simd: S, axis: &Axis, width: usize, e: usize) {
+    fn lines_of_any<S: Simd<f64s = V>>(&mut self, simd: S, axis: &AxisTable, width: usize, e: usize) {
         let zero = simd.splat_f64s(0.0);
         let points = axis.start[e]..axis.start[e + 1];
         let planes = &self.planes[axis.first[e] * width * 2..][..axis.active * width * 2];
@@ -199,7 +199,7 @@ impl<S: Simd> NullaryFnOnce for LineInterpolation<'_, S> {
 #[inline(always)]
 pub(super) fn at<S: Simd, const N: usize, const M: usize>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     (q, e): (usize, usize),
     line: &[S::f64s],
 ) -> ([S::f64s; M], [[S::f64s; M]; N]) {
@@ -223,7 +223,7 @@ pub(super) fn at<S: Simd, const N: usize, const M: usize>(
 /// Values and gradients of a cell; compiled apart from what is done with them.
 pub(super) struct Values<'a, S: Simd, const N: usize> {
     pub simd: S,
-    pub axis: &'a Axis,
+    pub axis: &'a AxisTable,
     pub e: usize,
     pub width: usize,
     pub line: &'a [S::f64s],
@@ -250,7 +250,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Values<'_, S, N> {
 #[inline(always)]
 pub(super) fn cell<S: Simd, const N: usize, const NP: usize, const VALUE: bool>(
     simd: S,
-    axis: &Axis,
+    axis: &AxisTable,
     e: usize,
     width: usize,
     line: &[S::f64s],

@@ -2,7 +2,7 @@
 //!
 //! Per point: x (N numbers), the rows of det J times the inverse of J (N x N), weight / |det J|, weight |det J|, det J.
 
-use super::axis::Axis;
+use super::axis::AxisTable;
 use super::tensor_field::{Curves, TensorField, Tile};
 use pulp::{Simd, bytemuck};
 use std::fmt::Debug;
@@ -59,7 +59,7 @@ pub(super) struct MapTile<'a> {
 impl MapTile<'_> {
     /// Points of the first direction.
     #[inline(always)]
-    fn points(&self, axes: &[Axis]) -> Range<usize> {
+    fn points(&self, axes: &[AxisTable]) -> Range<usize> {
         axes[0].start[self.along[0]]..axes[0].start[self.along[1]]
     }
 }
@@ -69,7 +69,7 @@ impl MapTile<'_> {
 pub(super) fn fill_net<S: Simd, const N: usize>(
     simd: S,
     net: &TensorField,
-    axes: &[Axis],
+    axes: &[AxisTable],
     place: MapTile<'_>,
     curves: &Curves,
     tile: &Tile<S::f64s>,
@@ -89,7 +89,7 @@ pub(super) fn fill_net<S: Simd, const N: usize>(
 
 /// Weights of the second and third direction.
 #[inline(always)]
-fn weights<S: Simd>(simd: S, axes: &[Axis], place: MapTile<'_>) -> S::f64s {
+fn weights<S: Simd>(simd: S, axes: &[AxisTable], place: MapTile<'_>) -> S::f64s {
     let slow = axes.get(2).map_or(1.0, |axis| axis.weights[place.slow.0]);
     let mut weight = simd.splat_f64s(0.0);
     let lanes: &mut [f64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut weight));
@@ -183,7 +183,7 @@ impl<'a> ElementScratch<'a> {
 /// As [`fill_net`] for any map, evaluated element by element at the points of the tile; does nothing for a net.
 pub(super) fn fill_elements<S: Simd, const N: usize>(
     simd: S,
-    axes: &[Axis],
+    axes: &[AxisTable],
     place: MapTile<'_>,
     scratch: &mut ElementScratch<'_>,
     out: &mut [S::f64s],
@@ -222,7 +222,7 @@ pub(super) fn fill_elements<S: Simd, const N: usize>(
 
 struct Finish<'a, S: Simd, const N: usize> {
     simd: S,
-    axes: &'a [Axis],
+    axes: &'a [AxisTable],
     place: MapTile<'a>,
     out: &'a mut [S::f64s],
 }

@@ -1,9 +1,9 @@
 //! Patches without their matrix, and the data at quadrature points that an operator stores between products.
 
-use super::axis::Axis;
-use super::cell::{Cell, Here};
+use super::axis::AxisTable;
+use super::cell::{CellPoints, Here};
 use super::diagonal::{self, ORDERS, squares};
-use super::grid::{Points, QuadratureGrid, Visit};
+use super::grid::{PointSource, QuadratureGrid, Visit};
 use super::map::{Map, MapEvaluators};
 use super::numbering::PatchNumbering;
 use super::point_operator::PointOperator;
@@ -27,7 +27,7 @@ pub(in crate::assembly) struct Free {
 
 #[derive(Debug)]
 struct FreePatch {
-    axes: Vec<Axis>,
+    axes: Vec<AxisTable>,
     weight: Option<(TensorField, Vec<f64>)>,
     net: Option<TensorField>,
     kept: Option<PointCache>,
@@ -54,7 +54,7 @@ impl Free {
             let functions = function..function + patch.functions();
             let ids = glue.as_ref().map(|glue| &glue.ids[functions.clone()]);
             let own = FreePatch::new(patch, element, functions, ids, (form, &source), keeps);
-            element += own.axes.iter().map(Axis::elements).product::<usize>();
+            element += own.axes.iter().map(AxisTable::elements).product::<usize>();
             function = own.functions.end;
             all.push(own);
         }
@@ -132,8 +132,8 @@ impl FreePatch {
     fn grid<'a, 'p>(&'a self, asks: &'a MapEvaluators<'p>) -> QuadratureGrid<'a, 'p> {
         let points = match (&self.kept, &self.net) {
             (Some(kept), _) => kept.points(),
-            (None, Some(net)) => Points::TensorField(net),
-            (None, None) => Points::Elements(asks),
+            (None, Some(net)) => PointSource::TensorField(net),
+            (None, None) => PointSource::Elements(asks),
         };
         let weight = self.weight.as_ref().map(|(net, _)| net);
         QuadratureGrid { axes: &self.axes, weight, state: None, points, first_element: self.first_element, arch: self.arch }
@@ -208,9 +208,9 @@ pub(super) struct Tangent {
 
 impl PointCache {
     /// The data as points of a grid.
-    pub fn points<'p>(&self) -> Points<'_, 'p> {
+    pub fn points<'p>(&self) -> PointSource<'_, 'p> {
         let all = &self.all[self.range.clone()];
-        self.tangent.map_or(Points::Map(all), |tangent| Points::Other(all, tangent.size))
+        self.tangent.map_or(PointSource::Map(all), |tangent| PointSource::Other(all, tangent.size))
     }
 
     /// Bytes.
@@ -241,7 +241,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for CacheVisitor<'_, S::f64s> {
     fn open(&mut self, _: S, _: usize) {}
 
     #[inline(always)]
-    fn cell(&mut self, simd: S, _: Here<'_>, cell: Cell<'_, S::f64s>) {
+    fn cell(&mut self, simd: S, _: Here<'_>, cell: CellPoints<'_, S::f64s>) {
         let Some(law) = self.law else {
             self.all.extend_from_slice(cell.map);
             return;

@@ -50,8 +50,8 @@ mod tensor_field;
 mod tests;
 mod tile;
 
-use axis::{Axis, COMPILED};
-pub(super) use cell::Cell;
+use axis::{AxisTable, COMPILED};
+pub(super) use cell::CellPoints;
 pub(super) use force::add_moments;
 pub(super) use grid::{PointCallback, QuadraturePoints};
 use map::Map;
@@ -84,11 +84,11 @@ pub(super) struct Patches<'a> {
 /// A run of elements that is one product of directions.
 #[derive(Debug)]
 struct Patch<'a> {
-    axes: Vec<Axis>,
+    axes: Vec<AxisTable>,
     /// First element.
     first_element: usize,
     /// Placeholder for the middle direction of a patch in the plane.
-    none: Axis,
+    none: AxisTable,
     map: Map<'a>,
     /// The weight function of a rational basis, and its weights.
     weight: Option<(TensorField, Vec<f64>)>,
@@ -157,7 +157,7 @@ impl<'a> Patch<'a> {
         map: Option<MapBlock<'_, N, M, T>>,
         asks: &'a MapEvaluators<'a>,
     ) -> Option<Self> {
-        let axes: Vec<Axis> = block.axes.iter().zip(rules).map(|(axis, rule)| Axis::new(*axis, *rule)).collect::<Option<_>>()?;
+        let axes: Vec<AxisTable> = block.axes.iter().zip(rules).map(|(axis, rule)| AxisTable::new(*axis, *rule)).collect::<Option<_>>()?;
         if axes.iter().any(|axis| !COMPILED.contains(&axis.active)) {
             return None;
         }
@@ -168,12 +168,12 @@ impl<'a> Patch<'a> {
                 Some((TensorField::new(block, rules, 1, weights.clone())?, weights))
             }
         };
-        let elements: Vec<usize> = axes.iter().map(Axis::elements).collect();
+        let elements: Vec<usize> = axes.iter().map(AxisTable::elements).collect();
         let net = map.filter(|m| m.basis.first == block.first).and_then(|m| control(&m, rules)).filter(|n| n.elements() == elements);
         Some(Self {
             axes,
             first_element: block.first,
-            none: Axis::none(),
+            none: AxisTable::none(),
             map: net.map_or(Map::Elements(asks, block.first), Map::TensorField),
             weight,
             arch: pulp::Arch::new(),

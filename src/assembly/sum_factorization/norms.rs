@@ -3,7 +3,7 @@
 //! Every point of the slowest direction has sums of its own, cell by cell; they are added in ascending order.
 
 use super::Patches;
-use super::cell::{Cell, Here, quotient};
+use super::cell::{CellPoints, Here, quotient};
 use super::grid::{PointCallback, QuadratureGrid, QuadraturePoints, Visit};
 use super::interpolate::{Coefficients, Interpolation, Values};
 use super::map::{inverse, numbers};
@@ -40,7 +40,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for Deviation<'_, S::f64s> {
     }
 
     #[inline(always)]
-    fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>) {
+    fn cell(&mut self, simd: S, here: Here<'_>, cell: CellPoints<'_, S::f64s>) {
         self.add::<S, N>(simd, here, cell);
     }
 
@@ -60,7 +60,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for Deviation<'_, S::f64s> {
 
 impl<V: bytemuck::Pod> Deviation<'_, V> {
     #[inline(always)]
-    fn add<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, V>) {
+    fn add<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, here: Here<'_>, cell: CellPoints<'_, V>) {
         let (axes, width) = (self.field.axes, self.field.width);
         self.sites.locate::<N>(axes, here);
         self.sites.ask::<S, N>(simd, cell, here.lanes, self.answer, width * (N + 1), &mut self.other);
@@ -159,7 +159,7 @@ impl<'a, V: bytemuck::Pod> Squares<'a, V> {
     /// (d = N: value; numerators, where it is rational), the other one values, then derivatives, `width * (N + 1)` numbers
     /// per point.
     #[inline(always)]
-    pub fn of<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, cell: Cell<'_, V>, g: &mut [V], other: &[V]) -> [V; SQUARES] {
+    pub fn of<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, cell: CellPoints<'_, V>, g: &mut [V], other: &[V]) -> [V; SQUARES] {
         let width = self.width;
         let zero = simd.splat_f64s(0.0);
         self.law.tangents::<S, N>(simd, width, cell, &mut self.buffer, &mut self.tangents);

@@ -2,7 +2,7 @@
 //!
 //!   t_ca = weight |det J| sum_l (J^-1)_al sum_ej tangent[e][j][(c,l)] sum_b (J^-1)_bj g_eb
 
-use super::cell::Cell;
+use super::cell::CellPoints;
 use super::map::{inverse, numbers};
 use crate::assembly::source::{Integrand, PointTangent};
 use pulp::{Simd, bytemuck};
@@ -59,7 +59,7 @@ impl<'a> PointOperator<'a> {
         &self,
         simd: S,
         components: usize,
-        cell: Cell<'_, S::f64s>,
+        cell: CellPoints<'_, S::f64s>,
         buffer: &mut Vec<f64>,
         out: &mut Vec<S::f64s>,
     ) {

@@ -4,8 +4,8 @@
 //! 2 N (p + 1) products for the fastest direction, and a fraction of that for the others. Kept tangents of one component are
 //! taken point by point along whole lines, so that they are read while the points before them are still counted.
 
-use super::axis::Axis;
-use super::cell::{Cell, Here};
+use super::axis::AxisTable;
+use super::cell::{CellPoints, Here};
 use super::grid::{QuadratureGrid, Sink, Visit};
 use super::integrate::{self, Gather};
 use super::interpolate::{self, Coefficients, Interpolation, Read};
@@ -52,7 +52,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for Product<'_, S::f64s, N> {
     }
 
     #[inline(always)]
-    fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>) {
+    fn cell(&mut self, simd: S, here: Here<'_>, cell: CellPoints<'_, S::f64s>) {
         simd.vectorize(Respond::<'_, '_, S, N> { simd, product: self, here, cell });
     }
 
@@ -95,7 +95,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Line<'_, '_, S, N> {
 
 /// Adds B^T D B of a line to `to`, terms in the order of [`interpolate::cell`] and [`integrate::cell`].
 #[inline(always)]
-fn points<S: Simd, const N: usize, const NP: usize>(simd: S, axis: &Axis, from: &[S::f64s], d: &[S::f64s], to: &mut [S::f64s]) {
+fn points<S: Simd, const N: usize, const NP: usize>(simd: S, axis: &AxisTable, from: &[S::f64s], d: &[S::f64s], to: &mut [S::f64s]) {
     let zero = simd.splat_f64s(0.0);
     let (values, slopes) = (rows::<NP>(&axis.values), rows::<NP>(&axis.slopes));
     let size = N * (N + 1) / 2;
@@ -138,7 +138,7 @@ struct Respond<'a, 'p, S: Simd, const N: usize> {
     simd: S,
     product: &'a mut Product<'p, S::f64s, N>,
     here: Here<'a>,
-    cell: Cell<'a, S::f64s>,
+    cell: CellPoints<'a, S::f64s>,
 }
 
 impl<S: Simd, const N: usize> NullaryFnOnce for Respond<'_, '_, S, N> {
@@ -163,7 +163,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Respond<'_, '_, S, N> {
 
 impl<V: bytemuck::Pod, const N: usize> Product<'_, V, N> {
     #[inline(always)]
-    fn respond<S: Simd<f64s = V>, const NP: usize, const RATIONAL: bool>(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, V>) {
+    fn respond<S: Simd<f64s = V>, const NP: usize, const RATIONAL: bool>(&mut self, simd: S, here: Here<'_>, cell: CellPoints<'_, V>) {
         let (axes, width) = (self.field.axes, self.field.width);
         self.g.resize(cell.points * width * (N + 1));
         self.h.resize(2 * width * N);
@@ -188,7 +188,7 @@ impl<V: bytemuck::Pod, const N: usize> Product<'_, V, N> {
 struct Tangents<'a, 'p, S: Simd, const N: usize> {
     simd: S,
     product: &'a mut Product<'p, S::f64s, N>,
-    cell: Cell<'a, S::f64s>,
+    cell: CellPoints<'a, S::f64s>,
 }
 
 impl<S: Simd, const N: usize> NullaryFnOnce for Tangents<'_, '_, S, N> {

@@ -16,7 +16,7 @@
 //! slowest) are handed out by their numbers in the whole, each to the task of its patch; a second function of the stretch with the
 //! same number comes after all others. So every entry is summed in an order that does not depend on the threads.
 
-use super::axis::Axis;
+use super::axis::AxisTable;
 use super::coefficient::ComponentPair;
 use super::contract::Ring;
 use super::numbering::Glue;
@@ -52,15 +52,15 @@ pub(super) struct Sums<'a> {
     pub weights: Option<&'a [f64]>,
 }
 
-/// The directions, fastest first; in the plane the middle one is [`Axis::none`].
+/// The directions, fastest first; in the plane the middle one is [`AxisTable::none`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Directions<'a> {
     /// Fastest.
-    pub fast: &'a Axis,
+    pub fast: &'a AxisTable,
     /// Middle.
-    pub middle: &'a Axis,
+    pub middle: &'a AxisTable,
     /// Slowest.
-    pub slow: &'a Axis,
+    pub slow: &'a AxisTable,
 }
 
 impl Directions<'_> {
@@ -175,13 +175,13 @@ impl ComponentLines {
     }
 
     /// Functions of the fastest direction whose lines stay in the first cache, `ROWS_AT_LEAST` or more.
-    pub fn at_once(&self, sums: &Sums<'_>, axis: &Axis) -> usize {
+    pub fn at_once(&self, sums: &Sums<'_>, axis: &AxisTable) -> usize {
         let per_function = 2 * self.runs.len() * sums.components * axis.active * size_of::<f64>();
         (BYTES_AT_ONCE / per_function.max(1)).max(ROWS_AT_LEAST)
     }
 
     /// Copies the sums of component `c` of the test function, as far as the rows of `functions` need them.
-    pub fn fill(&mut self, sums: &Sums<'_>, axis: &Axis, c: usize, functions: Range<usize>) {
+    pub fn fill(&mut self, sums: &Sums<'_>, axis: &AxisTable, c: usize, functions: Range<usize>) {
         let first = sums.fast.held.start;
         let from = (functions.start + 1).saturating_sub(axis.active).max(first);
         let pairs = (from - first) * axis.active..(functions.end - first) * axis.active;
@@ -215,7 +215,7 @@ impl ComponentLines {
     }
 
     /// Row `i` of component `c` to `out`, the component of the trial function fastest.
-    pub fn row<T: Real>(&self, sums: &Sums<'_>, axis: &Axis, i: usize, c: usize, out: &mut [T]) {
+    pub fn row<T: Real>(&self, sums: &Sums<'_>, axis: &AxisTable, i: usize, c: usize, out: &mut [T]) {
         let n = sums.components;
         let (from, to) = axis.columns[i];
         let inside = from + axis.active == i + 1 && to == i + axis.active;

@@ -2,7 +2,7 @@
 //!
 //! The gradient of a form's state at the points of a cell.
 
-use super::cell::{Cell, Here, quotient};
+use super::cell::{CellPoints, Here, quotient};
 use super::grid::{QuadratureGrid, Visit};
 use super::interpolate::{Coefficients, Interpolation, Values};
 use super::map::{inverse, numbers};
@@ -43,7 +43,7 @@ impl<S: Simd, const N: usize> Visit<S, N> for States<'_, S::f64s> {
     }
 
     #[inline(always)]
-    fn cell(&mut self, simd: S, here: Here<'_>, cell: Cell<'_, S::f64s>) {
+    fn cell(&mut self, simd: S, here: Here<'_>, cell: CellPoints<'_, S::f64s>) {
         let (axes, width) = (self.field.axes, self.field.width);
         self.g.resize(cell.points * width * (N + 1));
         let line = self.spread.line::<N>(self.field, here.middle.1);
@@ -218,7 +218,13 @@ impl<V> Default for Gradients<V> {
 impl<V: bytemuck::Pod> Gradients<V> {
     /// The gradients at the points of a cell, from the lines of `field`.
     #[inline(always)]
-    pub fn of<S: Simd<f64s = V>, const N: usize>(&mut self, simd: S, field: Coefficients<'_>, here: Here<'_>, cell: Cell<'_, V>) -> &[V] {
+    pub fn of<S: Simd<f64s = V>, const N: usize>(
+        &mut self,
+        simd: S,
+        field: Coefficients<'_>,
+        here: Here<'_>,
+        cell: CellPoints<'_, V>,
+    ) -> &[V] {
         let (Self { spread, g, out }, width) = (self, field.width);
         g.resize(cell.points * width * (N + 1));
         out.resize(cell.points * width * N);
@@ -233,7 +239,7 @@ impl<V: bytemuck::Pod> Gradients<V> {
 /// `g[(point * width + c) * (N + 1) + d]`, d = N the value, of the numerator where the basis is rational; overwrites them.
 pub(in crate::assembly) struct Physical<'a, S: Simd, const N: usize> {
     pub simd: S,
-    pub cell: Cell<'a, S::f64s>,
+    pub cell: CellPoints<'a, S::f64s>,
     pub width: usize,
     pub g: &'a mut [S::f64s],
     pub out: &'a mut [S::f64s],

@@ -19,7 +19,7 @@
 //! in a ring, so that they are read again while they are in cache.
 
 use super::Patch;
-use super::axis::Axis;
+use super::axis::AxisTable;
 use super::coefficient::{Coefficient, ComponentPair};
 use super::contract::{self, ContractionGroup};
 use super::numbering::PatchNumbering;
@@ -56,7 +56,7 @@ const WINDOW: [usize; 2] = [2, 8];
 /// cut first; in the plane a line of sums is short, and cut where it is long.
 fn sizes(to: Directions<'_>, bytes: usize) -> [usize; 2] {
     let (fast, middle) = (to.fast.functions, to.middle.functions);
-    let per_active = |axis: &Axis, size: f64| axis.functions as f64 / (size * axis.active as f64);
+    let per_active = |axis: &AxisTable, size: f64| axis.functions as f64 / (size * axis.active as f64);
     let count = |bytes: usize, most: f64| bytes.div_ceil(STRIP_BYTES).min(most as usize).max(1);
     let fasts = if middle > 1 { count(bytes, per_active(to.fast, FAST_PER_ACTIVE).ceil()) } else { fast.div_ceil(LINE).max(1) };
     let middles = count(bytes / fasts, per_active(to.middle, MIDDLE_PER_ACTIVE).round());
@@ -146,7 +146,7 @@ impl<const N: usize> pulp::WithSimd for March<'_, '_, '_, N> {
 }
 
 /// Elements of the slowest direction that a layer takes.
-fn layer_elements<const N: usize>(axes: &[Axis], fast: &Strip, components: usize) -> usize {
+fn layer_elements<const N: usize>(axes: &[AxisTable], fast: &Strip, components: usize) -> usize {
     let slow = &axes[N - 1];
     let per_point = if N == 3 { axes[1].points() } else { 1 } * fast.held.len() * axes[0].active * components;
     let per_element = slow.points().div_ceil(slow.elements()) * per_point * size_of::<f64>();
@@ -244,7 +244,7 @@ pub(super) struct Strip {
 
 impl Strip {
     /// The strip of `rows` with sums of pairs both ways; `None` if no row has an element.
-    pub fn both_ways(axis: &Axis, rows: Range<usize>) -> Option<Self> {
+    pub fn both_ways(axis: &AxisTable, rows: Range<usize>) -> Option<Self> {
         let mut reached = rows.clone().filter(|&i| axis.support[i].1 > 0);
         let first = reached.next()?;
         let last = reached.next_back().unwrap_or(first);
@@ -255,19 +255,19 @@ impl Strip {
     }
 
     /// The strip of `rows` with sums of pairs (i, j >= i) only.
-    pub fn one_way(axis: &Axis, rows: Range<usize>) -> Option<Self> {
+    pub fn one_way(axis: &AxisTable, rows: Range<usize>) -> Option<Self> {
         let strip = Self::both_ways(axis, rows)?;
         Some(Self { held: strip.held.start..strip.rows.end, ..strip })
     }
 
     /// Elements of function `i` that the strip has.
     #[inline(always)]
-    pub fn support(&self, axis: &Axis, i: usize) -> Range<usize> {
+    pub fn support(&self, axis: &AxisTable, i: usize) -> Range<usize> {
         axis.support[i].0.max(self.elements.start)..axis.support[i].1.min(self.elements.end)
     }
 
     /// Functions j whose pair (i, j) is held both ways: all neighbours of a row, the rows among those of another function.
-    pub fn pairs(&self, axis: &Axis, i: usize) -> Range<usize> {
+    pub fn pairs(&self, axis: &AxisTable, i: usize) -> Range<usize> {
         let (from, to) = axis.columns[i];
         if self.rows.contains(&i) { from..to } else { from.max(self.rows.start)..to.min(self.rows.end) }
     }
@@ -293,7 +293,7 @@ pub(super) struct Windows {
 
 impl Windows {
     /// `strip` in windows of `step` functions, with `lanes` points per tile.
-    pub fn new(axis: &Axis, strip: &Strip, step: usize, lanes: usize) -> Self {
+    pub fn new(axis: &AxisTable, strip: &Strip, step: usize, lanes: usize) -> Self {
         let (mut windows, mut done, step) = (Self { steps: Vec::new(), tiles: 0 }, 0, step.max(1));
         for from in strip.held.clone().step_by(step) {
             let functions = from..(from + step).min(strip.held.end);

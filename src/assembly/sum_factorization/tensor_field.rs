@@ -1,6 +1,6 @@
 //! Functions on the grid of points, contracted from their coefficients direction by direction.
 
-use super::axis::Axis;
+use super::axis::AxisTable;
 use crate::basis::Block;
 use crate::linalg::Real;
 use crate::quadrature::Quadrature;
@@ -11,7 +11,7 @@ use std::ops::Range;
 #[derive(Clone, Debug)]
 pub(super) struct TensorField {
     /// The directions of the functions.
-    pub axes: Vec<Axis>,
+    pub axes: Vec<AxisTable>,
     /// Numbers per function.
     pub width: usize,
     /// The numbers, those of one function together.
@@ -57,14 +57,14 @@ impl TensorField {
         width: usize,
         coefficients: Vec<f64>,
     ) -> Option<Self> {
-        let axes: Vec<Axis> = block.axes.iter().zip(rules).map(|(axis, rule)| Axis::new(*axis, *rule)).collect::<Option<_>>()?;
+        let axes: Vec<AxisTable> = block.axes.iter().zip(rules).map(|(axis, rule)| AxisTable::new(*axis, *rule)).collect::<Option<_>>()?;
         let functions: usize = axes.iter().map(|a| a.functions).product();
         (coefficients.len() == functions * width).then_some(Self { axes, width, coefficients })
     }
 
     /// Elements per direction.
     pub fn elements(&self) -> Vec<usize> {
-        self.axes.iter().map(Axis::elements).collect()
+        self.axes.iter().map(AxisTable::elements).collect()
     }
 
     /// Contracts all but the second direction: on `elements` of the first and for those of the second, the third at a point with its

@@ -1,7 +1,7 @@
 //! The two sweeps over a layer of elements, with their sizes and memory: tiles of contracted points, then sums per vector of pairs of the
 //! fastest direction.
 
-use super::cell::Cell;
+use super::cell::CellPoints;
 use super::contract::{self, Tiles};
 use super::map::{self, ElementScratch, Map, MapTile, numbers};
 use super::rows::Directions;
@@ -218,7 +218,7 @@ impl<S: Simd, const N: usize> NullaryFnOnce for Fast<'_, '_, S, N> {
                 out[..N].copy_from_slice(&slope);
                 out[N] = value;
             }
-            let cell = Cell { points: scratch.geo.len() / numbers(N), map: &scratch.geo, kept: &[], weight, state: &[] };
+            let cell = CellPoints { points: scratch.geo.len() / numbers(N), map: &scratch.geo, kept: &[], weight, state: &[] };
             simd.vectorize(Physical::<'_, S, N> { simd, cell, width: net.width, g: &mut scratch.slopes, out: &mut scratch.state });
         }
         plan.coefficient.tangents::<S, N>(&scratch.geo, &scratch.state, &mut scratch.numbers, &mut scratch.tangents);

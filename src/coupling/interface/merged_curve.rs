@@ -88,7 +88,7 @@ impl<const N: usize, T: Real> Work<N, T> {
 }
 
 /// A piece of a slave element: from, to, and its master element.
-pub(super) type Piece<T> = (T, T, Option<usize>);
+pub(super) type ElementPiece<T> = (T, T, Option<usize>);
 
 impl<'a, const N: usize, T: Real> PieceSides<'a, N, T> {
     pub fn new(slave: &'a dyn Geometry<1, N, T>, master: &'a dyn Geometry<1, N, T>, partners: Partners<T>, points: usize) -> Self {
@@ -98,14 +98,14 @@ impl<'a, const N: usize, T: Real> PieceSides<'a, N, T> {
     }
 
     /// The pieces that tile a slave element.
-    pub fn pieces(&self, element: usize, work: &mut Work<N, T>) -> Vec<Piece<T>> {
+    pub fn pieces(&self, element: usize, work: &mut Work<N, T>) -> Vec<ElementPiece<T>> {
         work.cuts.at_vertices(self.slave, element, &self.master, self.partners.outward(self.slave, element), &mut work.slave);
-        let mut pieces: Vec<Piece<T>> = Vec::new();
+        let mut pieces: Vec<ElementPiece<T>> = Vec::new();
         for k in 1..work.cuts.at.len() {
             self.assign(element, work.cuts.at[k - 1], work.cuts.at[k], JUMP_DEPTH, &mut work.slave, &mut pieces);
         }
         // neighbours with the same master element are one piece: this removes needless cuts
-        let mut merged: Vec<Piece<T>> = Vec::with_capacity(pieces.len());
+        let mut merged: Vec<ElementPiece<T>> = Vec::with_capacity(pieces.len());
         for piece in pieces {
             match merged.last_mut() {
                 Some(last) if last.2 == piece.2 => last.1 = piece.1,
@@ -143,7 +143,7 @@ impl<'a, const N: usize, T: Real> PieceSides<'a, N, T> {
     }
 
     /// Appends the pieces of [from, to]: one, or several if the master element jumps inside.
-    fn assign(&self, element: usize, from: T, to: T, depth: usize, table: &mut MapTable<1, N, T>, pieces: &mut Vec<Piece<T>>) {
+    fn assign(&self, element: usize, from: T, to: T, depth: usize, table: &mut MapTable<1, N, T>, pieces: &mut Vec<ElementPiece<T>>) {
         let width = to - from;
         let probes = [0.5, 0.02, 0.98].map(|t| from + width * lit::<T>(t));
         let middle = self.owner(element, probes[0], table);
@@ -186,7 +186,7 @@ impl<'a, const N: usize, T: Real> PieceSides<'a, N, T> {
     }
 
     /// Computes the Gauss points of a piece and their partners.
-    fn integrate(&self, (from, to, owner): Piece<T>, work: &mut Work<N, T>, part: &mut SlavePieces<1, T>) {
+    fn integrate(&self, (from, to, owner): ElementPiece<T>, work: &mut Work<N, T>, part: &mut SlavePieces<1, T>) {
         let width = to - from;
         work.xi.clear();
         work.xi.extend(self.gauss.points.iter().map(|p| Vector::<1, T>::new(from + width * p[0])));

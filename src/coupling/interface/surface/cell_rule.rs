@@ -14,7 +14,7 @@
 //! a corner at a pole is filled by triangles with that corner, and one that is near a pole is halved towards it.
 
 use super::clip::{halved, simplified};
-use super::piece::{LineRule, Piece, area, wedge};
+use super::piece::{EdgePiece, LineRule, area, wedge};
 use super::region_maps::{at_pole, coons, sector};
 use crate::linalg::Vector;
 
@@ -34,14 +34,14 @@ const WIDE: f64 = 1.2;
 const POLE_DEPTH: usize = 8;
 
 /// Points and weights of a region, in the chart.
-pub(super) type Points = Vec<(Vector<2>, f64)>;
+pub(super) type WeightedPoints = Vec<(Vector<2>, f64)>;
 
 /// Appends the points of a region, given the poles of its two facets in the chart. What cannot be filled is missing in the sum of the weights.
-pub(super) fn fill(chain: &[Piece], poles: &[Vector<2>], rule: &LineRule, out: &mut Points) {
+pub(super) fn fill(chain: &[EdgePiece], poles: &[Vector<2>], rule: &LineRule, out: &mut WeightedPoints) {
     filled(chain, poles, rule, if poles.is_empty() { DEPTH } else { DEPTH + 2 * POLE_DEPTH }, out);
 }
 
-fn filled(chain: &[Piece], poles: &[Vector<2>], rule: &LineRule, depth: usize, out: &mut Points) {
+fn filled(chain: &[EdgePiece], poles: &[Vector<2>], rule: &LineRule, depth: usize, out: &mut WeightedPoints) {
     let whole = area(chain);
     if whole <= NOTHING {
         return;
@@ -87,7 +87,7 @@ enum Beside {
     Corner(usize),
 }
 
-fn beside(chain: &[Piece], poles: &[Vector<2>]) -> Beside {
+fn beside(chain: &[EdgePiece], poles: &[Vector<2>]) -> Beside {
     let (lo, hi) = extent(chain);
     let size = (hi - lo).amax();
     let starts: Vec<usize> = (0..chain.len()).filter(|&k| poles.iter().any(|pole| (chain[k].from() - pole).amax() <= AT_POLE)).collect();
@@ -104,7 +104,7 @@ fn beside(chain: &[Piece], poles: &[Vector<2>]) -> Beside {
 }
 
 /// Distance of a point to the chord of a piece.
-fn distance_to(piece: &Piece, x: &Vector<2>) -> f64 {
+fn distance_to(piece: &EdgePiece, x: &Vector<2>) -> f64 {
     let (a, along) = (piece.from(), piece.to() - piece.from());
     let square = along.norm_squared();
     let t = if square > 0.0 { ((x - a).dot(&along) / square).clamp(0.0, 1.0) } else { 0.0 };
@@ -112,7 +112,7 @@ fn distance_to(piece: &Piece, x: &Vector<2>) -> f64 {
 }
 
 /// Fills a region by triangles with a corner at the pole from which the piece `start` leads away.
-fn around_pole(chain: &[Piece], start: usize, whole: f64, rule: &LineRule, out: &mut Points) -> bool {
+fn around_pole(chain: &[EdgePiece], start: usize, whole: f64, rule: &LineRule, out: &mut WeightedPoints) -> bool {
     let n = chain.len();
     let (first, last, pole) = (chain[start], chain[(start + n - 1) % n].reversed(), chain[start].from());
     if n < 3 || first.from() != last.from() {
@@ -124,8 +124,8 @@ fn around_pole(chain: &[Piece], start: usize, whole: f64, rule: &LineRule, out: 
     }
     let from = out.len();
     for (k, piece) in far.iter().enumerate() {
-        let left = if k == 0 { first } else { Piece::Line(pole, piece.from()) };
-        let right = if k + 1 == far.len() { last } else { Piece::Line(pole, piece.to()) };
+        let left = if k == 0 { first } else { EdgePiece::Line(pole, piece.from()) };
+        let right = if k + 1 == far.len() { last } else { EdgePiece::Line(pole, piece.to()) };
         let is_nothing = !(left.is_curve() || right.is_curve() || piece.is_curve()) && piece.area(&pole).abs() <= NO_SECTOR * whole;
         if !is_nothing && !at_pole(&left, piece, &right, rule, out) {
             out.truncate(from);
@@ -136,7 +136,7 @@ fn around_pole(chain: &[Piece], start: usize, whole: f64, rule: &LineRule, out: 
 }
 
 /// Halves a piece until its parts are short beside their distance from a pole.
-fn narrow(piece: Piece, pole: &Vector<2>, depth: usize, into: &mut Vec<Piece>) {
+fn narrow(piece: EdgePiece, pole: &Vector<2>, depth: usize, into: &mut Vec<EdgePiece>) {
     if depth == 0 || piece.chord() <= WIDE * distance_to(&piece, pole) {
         into.push(piece);
     } else {
@@ -146,29 +146,29 @@ fn narrow(piece: Piece, pole: &Vector<2>, depth: usize, into: &mut Vec<Piece>) {
 }
 
 /// The line across the longer extent of a region in its middle: unit normal and offset.
-fn longest(chain: &[Piece]) -> (Vector<2>, f64) {
+fn longest(chain: &[EdgePiece]) -> (Vector<2>, f64) {
     let (lo, hi) = extent(chain);
     let k = if hi[0] - lo[0] >= hi[1] - lo[1] { 0 } else { 1 };
     (Vector::from_fn(|i, _| if i == k { 1.0 } else { 0.0 }), 0.5 * (lo[k] + hi[k]))
 }
 
 /// The mean of the corners.
-fn mean(chain: &[Piece]) -> Vector<2> {
+fn mean(chain: &[EdgePiece]) -> Vector<2> {
     chain.iter().fold(Vector::zeros(), |s: Vector<2>, piece| s + piece.from()) / chain.len() as f64
 }
 
 /// An apex from which all sectors have an area of at least zero, everywhere.
-fn apex(chain: &[Piece], whole: f64, rule: &LineRule) -> Option<Vector<2>> {
+fn apex(chain: &[EdgePiece], whole: f64, rule: &LineRule) -> Option<Vector<2>> {
     let sees = |apex: &Vector<2>| {
         chain.iter().all(|piece| match piece {
-            Piece::Line(..) => piece.area(apex) >= -NO_SECTOR * whole,
-            Piece::Curve(_) => (0..rule.t.len()).all(|q| {
+            EdgePiece::Line(..) => piece.area(apex) >= -NO_SECTOR * whole,
+            EdgePiece::Curve(_) => (0..rule.t.len()).all(|q| {
                 let [c, d] = rule.at(piece, q);
                 wedge(&(c - apex), &d) >= 0.0
             }),
         })
     };
-    let corners = chain.iter().map(Piece::from);
+    let corners = chain.iter().map(EdgePiece::from);
     let (lo, hi) = extent(chain);
     let grid = (0..APICES * APICES).map(|q| {
         let t = |i: usize| (i as f64 + 0.5) / APICES as f64;
@@ -179,10 +179,10 @@ fn apex(chain: &[Piece], whole: f64, rule: &LineRule) -> Option<Vector<2>> {
 }
 
 /// Box around the points of a chain.
-fn extent(chain: &[Piece]) -> (Vector<2>, Vector<2>) {
-    let mut points: Vec<Vector<2>> = chain.iter().map(Piece::from).collect();
+fn extent(chain: &[EdgePiece]) -> (Vector<2>, Vector<2>) {
+    let mut points: Vec<Vector<2>> = chain.iter().map(EdgePiece::from).collect();
     for piece in chain {
-        if let Piece::Curve(nodes) = piece {
+        if let EdgePiece::Curve(nodes) = piece {
             points.extend_from_slice(nodes);
         }
     }
@@ -190,13 +190,13 @@ fn extent(chain: &[Piece]) -> (Vector<2>, Vector<2>) {
 }
 
 /// The part of a chain where normal · x >= offset, for a unit normal.
-fn half(chain: &[Piece], normal: &Vector<2>, offset: f64) -> Vec<Piece> {
+fn half(chain: &[EdgePiece], normal: &Vector<2>, offset: f64) -> Vec<EdgePiece> {
     let distance = |p: &Vector<2>| normal.dot(p) - offset;
     let mut split = Vec::with_capacity(chain.len() + 2);
     for piece in chain {
         match piece {
-            Piece::Line(..) => split.push(*piece),
-            Piece::Curve(_) => {
+            EdgePiece::Line(..) => split.push(*piece),
+            EdgePiece::Curve(_) => {
                 let mut cuts = vec![0.0];
                 cuts.extend(crossings(piece, &distance));
                 cuts.push(1.0);
@@ -204,7 +204,7 @@ fn half(chain: &[Piece], normal: &Vector<2>, offset: f64) -> Vec<Piece> {
                     let part = piece.part(w[0], w[1]);
                     // what lies beyond is a chord, which is cut away
                     let stays = distance(&part.at(0.5)[0]) >= 0.0;
-                    split.push(if stays { part } else { Piece::Line(part.from(), part.to()) });
+                    split.push(if stays { part } else { EdgePiece::Line(part.from(), part.to()) });
                 }
             }
         }
@@ -214,7 +214,7 @@ fn half(chain: &[Piece], normal: &Vector<2>, offset: f64) -> Vec<Piece> {
 }
 
 /// Parameters at which a curved piece crosses the zero line of a linear function.
-fn crossings(piece: &Piece, distance: &impl Fn(&Vector<2>) -> f64) -> Vec<f64> {
+fn crossings(piece: &EdgePiece, distance: &impl Fn(&Vector<2>) -> f64) -> Vec<f64> {
     const PARTS: usize = 16;
     let at = |t: f64| distance(&piece.at(t)[0]);
     let values: Vec<f64> = (0..=PARTS).map(|i| at(i as f64 / PARTS as f64)).collect();
@@ -237,12 +237,12 @@ mod tests {
     use super::super::piece::nodes;
     use super::*;
 
-    fn polygon(points: &[[f64; 2]]) -> Vec<Piece> {
+    fn polygon(points: &[[f64; 2]]) -> Vec<EdgePiece> {
         let at = |k: usize| Vector::<2>::from(points[k % points.len()]);
-        (0..points.len()).map(|k| Piece::Line(at(k), at(k + 1))).collect()
+        (0..points.len()).map(|k| EdgePiece::Line(at(k), at(k + 1))).collect()
     }
 
-    fn integral(points: &Points, f: impl Fn(&Vector<2>) -> f64) -> f64 {
+    fn integral(points: &WeightedPoints, f: impl Fn(&Vector<2>) -> f64) -> f64 {
         points.iter().map(|(x, w)| f(x) * w).sum()
     }
 
@@ -284,10 +284,10 @@ mod tests {
             let (a, bulge) = (std::f64::consts::FRAC_PI_2 * (k as f64 + t), 0.1 * (9.0 * (k as f64 + t)).sin());
             Vector::<2>::new(a.cos() * (0.5 + bulge), a.sin() * (0.5 + bulge))
         };
-        let mut chain: Vec<Piece> = (0..4).map(|k| Piece::Curve(nodes().map(|t| at(k, t)))).collect();
+        let mut chain: Vec<EdgePiece> = (0..4).map(|k| EdgePiece::Curve(nodes().map(|t| at(k, t)))).collect();
         let closed = chain[0].from();
         let end = chain[3].to();
-        chain.push(Piece::Line(end, closed));
+        chain.push(EdgePiece::Line(end, closed));
         let line = LineRule::new(20);
         let green: f64 = chain
             .iter()

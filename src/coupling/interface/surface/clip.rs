@@ -3,7 +3,7 @@
 //! Curved pieces lie in the cell and are kept; chords are cut, and gaps closed along the side that cut them. The cell is convex, so
 //! the result has the exact area of the common part; what it covers twice, in opposite directions along a side, has none.
 
-use super::piece::{Piece, wedge};
+use super::piece::{EdgePiece, wedge};
 use super::polygon::Polygon;
 use crate::linalg::Vector;
 
@@ -13,7 +13,7 @@ const POINT: f64 = 1e-15;
 const COLLINEAR: f64 = 1e-15;
 
 /// The part of a chain in the cell.
-pub(super) fn clip(polygon: Polygon, chain: Vec<Piece>) -> Vec<Piece> {
+pub(super) fn clip(polygon: Polygon, chain: Vec<EdgePiece>) -> Vec<EdgePiece> {
     let mut chain = chain;
     for k in 0..polygon.sides() {
         chain = halved(chain, |p| polygon.distance(k, p), |p| polygon.put_on(k, p));
@@ -25,19 +25,23 @@ pub(super) fn clip(polygon: Polygon, chain: Vec<Piece>) -> Vec<Piece> {
 }
 
 /// The part of a chain where the linear function `distance` is not negative; `put_on` moves points onto its zero line.
-pub(super) fn halved(chain: Vec<Piece>, distance: impl Fn(&Vector<2>) -> f64, put_on: impl Fn(&Vector<2>) -> Vector<2>) -> Vec<Piece> {
-    let mut out: Vec<Piece> = Vec::with_capacity(chain.len() + 4);
-    let mut push = |piece: Piece| {
+pub(super) fn halved(
+    chain: Vec<EdgePiece>,
+    distance: impl Fn(&Vector<2>) -> f64,
+    put_on: impl Fn(&Vector<2>) -> Vector<2>,
+) -> Vec<EdgePiece> {
+    let mut out: Vec<EdgePiece> = Vec::with_capacity(chain.len() + 4);
+    let mut push = |piece: EdgePiece| {
         if let Some(last) = out.last()
             && last.to() != piece.from()
         {
-            let gap = Piece::Line(last.to(), piece.from());
+            let gap = EdgePiece::Line(last.to(), piece.from());
             out.push(gap);
         }
         out.push(piece);
     };
     for piece in chain {
-        let Piece::Line(a, b) = piece else {
+        let EdgePiece::Line(a, b) = piece else {
             push(piece);
             continue;
         };
@@ -45,23 +49,23 @@ pub(super) fn halved(chain: Vec<Piece>, distance: impl Fn(&Vector<2>) -> f64, pu
         let cut = || put_on(&(a + (b - a) * (da / (da - db))));
         match (da >= 0.0, db >= 0.0) {
             (true, true) => push(piece),
-            (true, false) if da > 0.0 => push(Piece::Line(a, cut())),
-            (false, true) if db > 0.0 => push(Piece::Line(cut(), b)),
+            (true, false) if da > 0.0 => push(EdgePiece::Line(a, cut())),
+            (false, true) if db > 0.0 => push(EdgePiece::Line(cut(), b)),
             _ => {}
         }
     }
     if let (Some(first), Some(last)) = (out.first(), out.last())
         && last.to() != first.from()
     {
-        let gap = Piece::Line(last.to(), first.from());
+        let gap = EdgePiece::Line(last.to(), first.from());
         out.push(gap);
     }
     out
 }
 
 /// A chain without points, consecutive lines on one line joined; spikes vanish with that.
-pub(super) fn simplified(chain: Vec<Piece>) -> Vec<Piece> {
-    let mut out: Vec<Piece> = Vec::with_capacity(chain.len());
+pub(super) fn simplified(chain: Vec<EdgePiece>) -> Vec<EdgePiece> {
+    let mut out: Vec<EdgePiece> = Vec::with_capacity(chain.len());
     for piece in chain {
         if piece.chord() <= POINT && !piece.is_curve() {
             continue;
@@ -85,16 +89,16 @@ pub(super) fn simplified(chain: Vec<Piece>) -> Vec<Piece> {
             out.remove(0);
         }
     }
-    if out.len() < 2 && !out.iter().any(Piece::is_curve) { Vec::new() } else { out }
+    if out.len() < 2 && !out.iter().any(EdgePiece::is_curve) { Vec::new() } else { out }
 }
 
 /// Two lines on one line as one.
-fn joined(a: &Piece, b: &Piece) -> Option<Piece> {
-    let (Piece::Line(p, q), Piece::Line(_, r)) = (a, b) else { return None };
+fn joined(a: &EdgePiece, b: &EdgePiece) -> Option<EdgePiece> {
+    let (EdgePiece::Line(p, q), EdgePiece::Line(_, r)) = (a, b) else { return None };
     let (along, next) = (q - p, r - q);
     let scale = along.norm() + next.norm();
     let off = wedge(&along, &next).abs();
-    (off <= COLLINEAR * scale).then_some(Piece::Line(*p, *r))
+    (off <= COLLINEAR * scale).then_some(EdgePiece::Line(*p, *r))
 }
 
 #[cfg(test)]
@@ -102,9 +106,9 @@ mod tests {
     use super::super::piece::area;
     use super::*;
 
-    fn polygon(points: &[[f64; 2]]) -> Vec<Piece> {
+    fn polygon(points: &[[f64; 2]]) -> Vec<EdgePiece> {
         let at = |k: usize| Vector::<2>::from(points[k % points.len()]);
-        (0..points.len()).map(|k| Piece::Line(at(k), at(k + 1))).collect()
+        (0..points.len()).map(|k| EdgePiece::Line(at(k), at(k + 1))).collect()
     }
 
     #[test]

@@ -2,11 +2,11 @@
 
 use super::super::Partners;
 use super::super::slave_pieces::{Point, SlavePieces};
-use super::cell_rule::{Points, fill};
+use super::cell_rule::{WeightedPoints, fill};
 use super::chart::Chart;
 use super::facets::Facets;
 use super::owner::{Foot, MasterSurface};
-use super::piece::{LineRule, Piece};
+use super::piece::{EdgePiece, LineRule};
 use super::polygon::Polygon;
 use super::regions::{Region, Regions, may_face, regions};
 use super::skeleton::Skeleton;
@@ -153,7 +153,7 @@ impl<'a> Sides<'a> {
         if found.share(cell) > 1.0 + TILES {
             self.confirm(&mut chart, &mut found);
         }
-        let filled: Vec<Points> = found.list.iter().map(|region| self.points(work, region)).collect();
+        let filled: Vec<WeightedPoints> = found.list.iter().map(|region| self.points(work, region)).collect();
         let share = filled.iter().flatten().map(|p| p.1).sum::<f64>() / cell;
         let tiles = (share - 1.0).abs() <= TILES && (found.share(cell) - share).abs() <= TILES;
         let may_be_open = |chart: &mut Chart<'_>| match self.partners.touch() {
@@ -186,9 +186,9 @@ impl<'a> Sides<'a> {
     }
 
     /// Points and weights of a region in the chart.
-    fn points(&self, work: &Work<'_, 'a>, region: &Region) -> Points {
+    fn points(&self, work: &Work<'_, 'a>, region: &Region) -> WeightedPoints {
         let (own, other) = (&work.facets.list[work.facet], &self.master.facets.list[region.facet]);
-        let is_straight = own.affine && other.affine && !region.chain.iter().any(Piece::is_curve);
+        let is_straight = own.affine && other.affine && !region.chain.iter().any(EdgePiece::is_curve);
         let n = if is_straight { self.points } else { (self.points + 3).max(5) };
         let own_pole = own.pole.then(|| own.polygon.corner(2));
         let poles: Vec<Vector<2>> = own_pole.into_iter().chain(region.pole).collect();
@@ -270,7 +270,7 @@ impl<'a> Sides<'a> {
         work: &Work<'_, 'a>,
         chart: &mut Chart<'_>,
         region: &Region,
-        points: &Points,
+        points: &WeightedPoints,
         part: &mut SlavePieces<2, f64>,
         table: &mut MapTable<2, 3>,
     ) -> bool {

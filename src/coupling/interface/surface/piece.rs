@@ -9,7 +9,7 @@ pub(super) const NODES: usize = 9;
 
 /// A directed piece of an edge.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Piece {
+pub(super) enum EdgePiece {
     Line(Vector<2>, Vector<2>),
     /// Points at the parameters of [`nodes`].
     Curve([Vector<2>; NODES]),
@@ -53,10 +53,10 @@ impl LineRule {
     }
 
     /// Position and derivative of `piece` at point q of the rule.
-    pub fn at(&self, piece: &Piece, q: usize) -> [Vector<2>; 2] {
+    pub fn at(&self, piece: &EdgePiece, q: usize) -> [Vector<2>; 2] {
         match piece {
-            Piece::Line(a, b) => [a + (b - a) * self.t[q], b - a],
-            Piece::Curve(points) => combined(points, &self.shapes[q]),
+            EdgePiece::Line(a, b) => [a + (b - a) * self.t[q], b - a],
+            EdgePiece::Curve(points) => combined(points, &self.shapes[q]),
         }
     }
 }
@@ -73,7 +73,7 @@ pub(super) fn wedge(a: &Vector<2>, b: &Vector<2>) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-impl Piece {
+impl EdgePiece {
     pub fn from(&self) -> Vector<2> {
         match self {
             Self::Line(a, _) => *a,
@@ -151,8 +151,8 @@ impl Piece {
 }
 
 /// Signed area inside a closed chain.
-pub(super) fn area(chain: &[Piece]) -> f64 {
-    let apex = chain.first().map_or_else(Vector::zeros, Piece::from);
+pub(super) fn area(chain: &[EdgePiece]) -> f64 {
+    let apex = chain.first().map_or_else(Vector::zeros, EdgePiece::from);
     chain.iter().map(|piece| piece.area(&apex)).sum()
 }
 
@@ -163,7 +163,7 @@ mod tests {
     #[test]
     fn polynomials_of_degree_8_are_kept_in_parts_and_their_areas_exact() {
         let of = |t: f64| Vector::<2>::new(t - 0.3 * t.powi(8), t * t - 0.2 * t.powi(7));
-        let piece = Piece::Curve(nodes().map(of));
+        let piece = EdgePiece::Curve(nodes().map(of));
         let slope = |t: f64| Vector::<2>::new(1.0 - 2.4 * t.powi(7), 2.0 * t - 1.4 * t.powi(6));
         for t in [0.0, 0.1, 0.77, 1.0] {
             let [c, d] = piece.at(t);

@@ -1,14 +1,14 @@
 //! Maps of the unit square onto regions, and their points: Coons' map of four pieces, sectors, triangles at a pole.
 
-use super::cell_rule::Points;
-use super::piece::{LineRule, Piece, wedge};
+use super::cell_rule::WeightedPoints;
+use super::piece::{EdgePiece, LineRule, wedge};
 use crate::linalg::Vector;
 
 /// Least product of the sides at a corner of a Coons map, as a share of the area.
 const CORNER: f64 = 0.03;
 
 /// Appends the points of the sector between an apex and a piece.
-pub(super) fn sector(apex: &Vector<2>, piece: &Piece, rule: &LineRule, out: &mut Points) {
+pub(super) fn sector(apex: &Vector<2>, piece: &EdgePiece, rule: &LineRule, out: &mut WeightedPoints) {
     for (q, &wt) in rule.weights.iter().enumerate() {
         let [c, d] = rule.at(piece, q);
         let across = wedge(&(c - apex), &d);
@@ -19,7 +19,7 @@ pub(super) fn sector(apex: &Vector<2>, piece: &Piece, rule: &LineRule, out: &mut
 }
 
 /// Fills four pieces around `whole` by Coons' map; false, and nothing appended, where its Jacobian is not positive.
-pub(super) fn coons(chain: &[Piece], whole: f64, rule: &LineRule, out: &mut Points) -> bool {
+pub(super) fn coons(chain: &[EdgePiece], whole: f64, rule: &LineRule, out: &mut WeightedPoints) -> bool {
     let p: [Vector<2>; 4] = std::array::from_fn(|k| chain[k].from());
     if (0..4).any(|k| wedge(&(p[(k + 1) % 4] - p[k]), &(p[(k + 3) % 4] - p[k])) <= CORNER * whole) {
         return false;
@@ -47,7 +47,7 @@ pub(super) fn coons(chain: &[Piece], whole: f64, rule: &LineRule, out: &mut Poin
 /// ```
 ///
 /// False, and nothing appended, where the Jacobian is not positive.
-pub(super) fn at_pole(left: &Piece, far: &Piece, right: &Piece, rule: &LineRule, out: &mut Points) -> bool {
+pub(super) fn at_pole(left: &EdgePiece, far: &EdgePiece, right: &EdgePiece, rule: &LineRule, out: &mut WeightedPoints) -> bool {
     let (a, b) = (far.from(), far.to());
     positive(rule, out, |i, j| {
         let (s, t) = (rule.t[i], rule.t[j]);
@@ -61,7 +61,7 @@ pub(super) fn at_pole(left: &Piece, far: &Piece, right: &Piece, rule: &LineRule,
 }
 
 /// Appends the points of a map given by position and Jacobian at points (i, j) of the rule, if that is positive at all of them.
-fn positive(rule: &LineRule, out: &mut Points, map: impl Fn(usize, usize) -> (Vector<2>, f64)) -> bool {
+fn positive(rule: &LineRule, out: &mut WeightedPoints, map: impl Fn(usize, usize) -> (Vector<2>, f64)) -> bool {
     let (n, start) = (rule.t.len(), out.len());
     for (i, j) in (0..n * n).map(|q| (q / n, q % n)) {
         let (x, jacobian) = map(i, j);

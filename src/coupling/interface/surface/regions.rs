@@ -8,7 +8,7 @@ use super::chart::Chart;
 use super::clip::clip;
 use super::facets::Facets;
 use super::owner::MasterSurface;
-use super::piece::{Piece, area};
+use super::piece::{EdgePiece, area};
 use super::trace::trace;
 use crate::geometry::MapTable;
 use crate::linalg::Vector;
@@ -23,7 +23,7 @@ const APART: f64 = 78.0 * std::f64::consts::PI / 180.0;
 #[derive(Debug)]
 pub(super) struct Region {
     pub facet: usize,
-    pub chain: Vec<Piece>,
+    pub chain: Vec<EdgePiece>,
     pub area: f64,
     /// The pole of the master facet in the chart.
     pub pole: Option<Vector<2>>,
@@ -80,7 +80,7 @@ pub(super) fn regions(
 struct Traced<'t, 'a, 'c> {
     master: &'t MasterSurface<'a>,
     chart: &'t mut Chart<'c>,
-    edges: HashMap<usize, Vec<Piece>>,
+    edges: HashMap<usize, Vec<EdgePiece>>,
     vertices: HashMap<usize, Vector<2>>,
     table: &'t mut MapTable<2, 3>,
 }
@@ -88,7 +88,7 @@ struct Traced<'t, 'a, 'c> {
 impl Traced<'_, '_, '_> {
     /// The boundary of a master facet, counter-clockwise in its own coordinates for the sign 1; `up` times the normals of the skeleton point
     /// to the side of the chart's.
-    fn chain(&mut self, facet: usize, sign: f64, up: f64) -> Vec<Piece> {
+    fn chain(&mut self, facet: usize, sign: f64, up: f64) -> Vec<EdgePiece> {
         let skeleton = &self.master.skeleton;
         let mut chain = Vec::new();
         for k in 0..self.master.facets.list[facet].polygon.sides() {
@@ -98,11 +98,11 @@ impl Traced<'_, '_, '_> {
             if skeleton.is_forward(facet, k) {
                 chain.extend_from_slice(pieces);
             } else {
-                chain.extend(pieces.iter().rev().map(Piece::reversed));
+                chain.extend(pieces.iter().rev().map(EdgePiece::reversed));
             }
         }
         if sign < 0.0 {
-            chain = chain.iter().rev().map(Piece::reversed).collect();
+            chain = chain.iter().rev().map(EdgePiece::reversed).collect();
         }
         chain
     }
@@ -120,7 +120,7 @@ impl Traced<'_, '_, '_> {
         let (master, data) = (self.master, &self.master.skeleton.edges[edge]);
         let ends = data.vertices.map(|v| self.vertex(v, up));
         let pieces = if data.straight && self.chart.affine {
-            vec![Piece::Line(ends[0], ends[1])]
+            vec![EdgePiece::Line(ends[0], ends[1])]
         } else {
             let (chart, table) = (&mut *self.chart, &mut *self.table);
             let (polygon, snap) = (chart.polygon, chart.snap);
@@ -136,9 +136,9 @@ impl Traced<'_, '_, '_> {
     fn rim_inside(&self, regions: &[Region]) -> bool {
         let polygon = self.chart.polygon;
         // chords pass through the cell between their ends; what lies on a side is no inside
-        let within = |piece: &Piece| match piece {
-            Piece::Curve(_) => polygon.depth(&piece.at(0.5)[0]) > self.chart.snap,
-            Piece::Line(a, b) => {
+        let within = |piece: &EdgePiece| match piece {
+            EdgePiece::Curve(_) => polygon.depth(&piece.at(0.5)[0]) > self.chart.snap,
+            EdgePiece::Line(a, b) => {
                 let mut range = [0.0f64, 1.0];
                 for k in 0..polygon.sides() {
                     let (da, db) = (polygon.distance(k, a) - self.chart.snap, polygon.distance(k, b) - self.chart.snap);

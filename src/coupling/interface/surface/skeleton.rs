@@ -27,7 +27,7 @@ const STRAIGHT: f64 = 1e-14;
 
 /// An edge and the facets that share it.
 #[derive(Clone, Debug)]
-pub(super) struct Edge {
+pub(super) struct FacetEdge {
     /// (facet, side) of the first facet and, unless the edge is a rim, of the second.
     pub at: Vec<(usize, usize)>,
     pub vertices: [usize; 2],
@@ -50,7 +50,7 @@ pub(super) struct Vertex {
 #[derive(Debug)]
 pub(super) struct Skeleton {
     pub vertices: Vec<Vertex>,
-    pub edges: Vec<Edge>,
+    pub edges: Vec<FacetEdge>,
     /// Vertices at the corners of every facet.
     pub corners: Vec<[usize; 4]>,
     /// Edges of the sides of every facet; none where a side is a point.
@@ -249,8 +249,8 @@ fn merged_corners(facets: &Facets<'_>, table: &mut MapTable<2, 3>) -> Vec<[usize
 }
 
 /// The edges, and the edge of every side: sides between the same vertices with the same middle are one.
-fn joined_sides(facets: &Facets<'_>, corners: &[[usize; 4]], table: &mut MapTable<2, 3>) -> (Vec<Edge>, Vec<[Option<usize>; 4]>) {
-    let mut edges: Vec<Edge> = Vec::new();
+fn joined_sides(facets: &Facets<'_>, corners: &[[usize; 4]], table: &mut MapTable<2, 3>) -> (Vec<FacetEdge>, Vec<[Option<usize>; 4]>) {
+    let mut edges: Vec<FacetEdge> = Vec::new();
     let mut middles: Vec<Vector<3>> = Vec::new();
     let mut between: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
     let mut sides = Vec::with_capacity(facets.list.len());
@@ -271,7 +271,7 @@ fn joined_sides(facets: &Facets<'_>, corners: &[[usize; 4]], table: &mut MapTabl
             let e = found.unwrap_or_else(|| {
                 known.push(edges.len());
                 middles.push(table.x[k]);
-                edges.push(Edge { at: Vec::new(), vertices: key, straight: false, smooth: false, means: [Vector::zeros(); 2] });
+                edges.push(FacetEdge { at: Vec::new(), vertices: key, straight: false, smooth: false, means: [Vector::zeros(); 2] });
                 edges.len() - 1
             });
             edges[e].at.push((f, k));

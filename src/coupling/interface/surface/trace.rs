@@ -6,7 +6,7 @@
 //! extrema, where golden section looks for a visit or an exit that samples missed. Outside only the d_k count, not the place along
 //! a side: a point far away may be as far from all points of an edge, and chords there only have to wind about the cell as the edge does.
 
-use super::piece::{NODES, Piece, nodes, wedge};
+use super::piece::{EdgePiece, NODES, nodes, wedge};
 use super::polygon::Polygon;
 use crate::linalg::Vector;
 
@@ -29,7 +29,7 @@ const ROOT_STEPS: usize = 80;
 type Sample = (f64, Vector<2>);
 
 /// The edge `pull` with the ends `ends`, known before.
-pub(super) fn trace(polygon: Polygon, snap: f64, ends: [Vector<2>; 2], pull: &mut dyn FnMut(f64) -> Vector<2>) -> Vec<Piece> {
+pub(super) fn trace(polygon: Polygon, snap: f64, ends: [Vector<2>; 2], pull: &mut dyn FnMut(f64) -> Vector<2>) -> Vec<EdgePiece> {
     let mut tracer = Tracer { polygon, snap, pull, seen: Vec::new(), pieces: Vec::new() };
     tracer.refine((0.0, ends[0]), (1.0, ends[1]), DEPTH);
     tracer.pieces
@@ -41,7 +41,7 @@ struct Tracer<'p> {
     pull: &'p mut dyn FnMut(f64) -> Vector<2>,
     /// The last samples: middles are asked for again.
     seen: Vec<Sample>,
-    pieces: Vec<Piece>,
+    pieces: Vec<EdgePiece>,
 }
 
 impl Tracer<'_> {
@@ -63,7 +63,7 @@ impl Tracer<'_> {
     }
 
     fn line(&mut self, a: &Sample, b: &Sample) {
-        self.pieces.push(Piece::Line(a.1, b.1));
+        self.pieces.push(EdgePiece::Line(a.1, b.1));
     }
 
     /// Halves an edge until it is short and little bent, or surely outside.
@@ -242,7 +242,7 @@ impl Tracer<'_> {
         if points.iter().all(is_near) && points.windows(2).all(|w| (w[1] - w[0]).dot(&along) >= 0.0) {
             return self.line(&a, &b);
         }
-        let curve = Piece::Curve(points);
+        let curve = EdgePiece::Curve(points);
         let mut error = 0.0f64;
         for t in [0.1, 0.43, 0.81] {
             let s = self.sample(a.0 + (b.0 - a.0) * t);

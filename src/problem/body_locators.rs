@@ -6,15 +6,15 @@ use std::fmt::{Debug, Formatter};
 use std::sync::{Arc, OnceLock};
 
 /// One tree per body, built when a point of the body is first asked for.
-pub(super) struct Places<const N: usize>(Vec<OnceLock<Locator<N, Arc<dyn Space<N, N>>>>>);
+pub(super) struct BodyLocators<const N: usize>(Vec<OnceLock<Locator<N, Arc<dyn Space<N, N>>>>>);
 
-impl<const N: usize> Debug for Places<N> {
+impl<const N: usize> Debug for BodyLocators<N> {
     fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Places({})", self.0.len())
+        write!(f, "BodyLocators({})", self.0.len())
     }
 }
 
-impl<const N: usize> Places<N> {
+impl<const N: usize> BodyLocators<N> {
     /// Places in that many bodies.
     pub fn new(bodies: usize) -> Self {
         Self((0..bodies).map(|_| OnceLock::new()).collect())
