@@ -20,6 +20,7 @@
 //! Source: the Schur complement of a factorised matrix under changes of low rank: Hager, SIAM Review 31 (1989) 221-239.
 
 use super::direct::{Factor, Inverse, MAX_REFINEMENTS, begin, refuse_kernel, weights};
+use super::interface_set::Set;
 use super::quasidefinite::{LdltPattern, REGULARISATION};
 use super::rows_alone::{RowsAlone, ScaledRow};
 use super::scale::Scaled;
@@ -426,89 +427,6 @@ pub(super) fn affordable(m: usize, entries: usize) -> bool {
 fn spring(s: &Scaled<'_>, a: usize, springs: f64) -> f64 {
     let sum: f64 = s.rows.row(a).1.iter().map(|v| v.abs()).sum();
     (springs * s.k[a] / (sum * sum)).min(0.5 / s.compliance[a])
-}
-
-/// The inverse of the system of a set.
-struct Set<'a, 'b> {
-    s: &'a Scaled<'b>,
-    layout: &'a LdltPattern,
-    border: &'a Border,
-    contact: &'a [usize],
-    ldlt: &'a Ldlt,
-    dense: &'a DenseLdlt,
-    w: &'a [f64],
-    f: Vec<f64>,
-}
-
-impl Set<'_, '_> {
-    /// 1 - t W of closed contact row `a`.
-    fn share(&self, a: usize) -> f64 {
-        1.0 - (self.s.compliance[a] + REGULARISATION * self.s.k[a]) * self.w[a]
-    }
-
-    /// Right-hand side of A for the residuals r1 and r2.
-    fn right_side(&self, r1: &[f64], r2: &[f64]) -> Vec<f64> {
-        let mut x = r1.to_vec();
-        x.resize(x.len() + self.layout.multipliers(), 0.0);
-        for (a, number) in self.layout.numbers() {
-            x[r1.len() + number] = self.f[a] * r2[a];
-            let (cols, vals) = self.s.rows.row(a);
-            cols.zip(vals).for_each(|(j, v)| x[j] += v * self.w[a] * r2[a]);
-        }
-        x
-    }
-
-    /// Replaces h by nu; `r2` is read on closed rows.
-    fn nu(&self, r2: &[f64], h: &mut [f64]) {
-        for (h, &a) in h.iter_mut().zip(self.contact).filter(|(_, a)| self.s.enforced[**a]) {
-            *h -= r2[a] / self.share(a);
-        }
-        self.dense.solve(h);
-    }
-
-    /// Unknowns and multipliers.
-    fn parts(&self, mut x: Vec<f64>, nu: &[f64], r2: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let (n, enforced) = (self.s.num_unknowns(), &self.s.enforced);
-        let mut l = vec![0.0; self.s.num_rows()];
-        for (a, number) in self.layout.numbers().filter(|(a, _)| enforced[*a]) {
-            l[a] = x[n + number];
-        }
-        for (&nu, &a) in nu.iter().zip(self.contact).filter(|(_, a)| enforced[**a]) {
-            l[a] = (nu + self.w[a] * r2[a]) / self.share(a);
-        }
-        x.truncate(n);
-        (x, l)
-    }
-}
-
-impl Inverse for Set<'_, '_> {
-    fn step(&self, vector: &mut [f64]) -> Result<(), LinearError> {
-        let none = vec![0.0; self.s.num_rows()];
-        let mut x = self.right_side(vector, &none);
-        self.ldlt.solve_bordered(self.border, &self.s.rows, [&mut x], |_, h| self.nu(&none, h))?;
-        vector.copy_from_slice(&x[..vector.len()]);
-        Ok(())
-    }
-
-    fn correct(&self, r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
-        let (mut x, mut nu) = (self.right_side(r1, r2), Vec::new());
-        self.ldlt.solve_bordered(self.border, &self.s.rows, [&mut x], |_, h| {
-            self.nu(r2, h);
-            nu = h.to_vec();
-        })?;
-        Ok(self.parts(x, &nu, r2))
-    }
-
-    fn both(&self, vector: &mut [f64], r1: &[f64], r2: &[f64]) -> Result<(Vec<f64>, Vec<f64>), LinearError> {
-        let none = vec![0.0; self.s.num_rows()];
-        let (mut x, mut y, mut nu) = (self.right_side(vector, &none), self.right_side(r1, r2), Vec::new());
-        self.ldlt.solve_bordered(self.border, &self.s.rows, [&mut x, &mut y], |which, h| {
-            self.nu(if which == 0 { &none } else { r2 }, h);
-            nu = h.to_vec();
-        })?;
-        vector.copy_from_slice(&x[..vector.len()]);
-        Ok(self.parts(y, &nu, r2))
-    }
 }
 
 #[cfg(test)]

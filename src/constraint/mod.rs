@@ -12,6 +12,7 @@ mod condensed;
 mod direct;
 mod free;
 mod interface;
+mod interface_set;
 mod krylov;
 mod outer;
 mod penalised;

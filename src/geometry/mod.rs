@@ -9,6 +9,7 @@ mod cone;
 mod control;
 mod embedded;
 mod embedding;
+mod feasible_step;
 mod foot;
 mod frame;
 mod hull;

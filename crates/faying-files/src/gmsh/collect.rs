@@ -1,6 +1,7 @@
 //! Elements in the order of reading, and their conversion to blocks and groups.
 
 use super::kinds::ElementType;
+use super::scan::Source;
 use crate::budget::Budget;
 use crate::{FileError, Group, MeshBlock};
 use std::collections::BTreeMap;
@@ -51,6 +52,43 @@ pub(super) struct Entities {
 }
 
 impl Entities {
+    /// Reads the section of version 4: of every entity its number, its box, its groups and its bounds.
+    pub fn read<S: Source>(&mut self, source: &mut S, budget: &mut Budget) -> Result<(), FileError> {
+        let mut counts = [0; 4];
+        for count in &mut counts {
+            *count = source.size()?;
+        }
+        for (dimension, count) in counts.into_iter().enumerate() {
+            for _ in 0..count {
+                let number = source.int()?;
+                for _ in 0..if dimension == 0 { 3 } else { 6 } {
+                    source.real()?;
+                }
+                let first = self.groups.len();
+                for _ in 0..source.size()? {
+                    let group = source.int()?;
+                    budget.room(&mut self.groups, 1)?;
+                    self.groups.push(group);
+                }
+                if dimension > 0 {
+                    for _ in 0..source.size()? {
+                        source.int()?;
+                    }
+                }
+                let groups = self.groups.len() - first;
+                if groups > 0 {
+                    budget.room(&mut self.list, 1)?;
+                    self.list.push((dimension, number, first, groups));
+                }
+            }
+        }
+        self.list.sort_unstable();
+        if let Some(pair) = self.list.windows(2).find(|w| (w[0].0, w[0].1) == (w[1].0, w[1].1)) {
+            return Err(source.broken(format!("entity {} of dimension {} stands twice", pair[0].1, pair[0].0)));
+        }
+        Ok(())
+    }
+
     /// Numbers of the groups of an entity; empty if it is not listed. The list must be sorted.
     fn groups_of(&self, dimension: usize, number: i64) -> &[i64] {
         match self.list.binary_search_by_key(&(dimension, number), |e| (e.0, e.1)) {

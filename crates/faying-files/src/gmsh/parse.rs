@@ -74,6 +74,12 @@ impl<'a> Reader<'a> {
         FileError::Unsupported { what: what.into(), spot: Some(self.line()) }
     }
 
+    /// The reader at `start`, for errors about what begins there.
+    fn back_at(&mut self, start: usize) -> &Self {
+        self.at = start;
+        self
+    }
+
     fn skip_white(&mut self) {
         while self.bytes.get(self.at).is_some_and(|b| *b <= b' ' && *b != 0) {
             self.at += 1;
@@ -98,15 +104,11 @@ impl<'a> Reader<'a> {
             let name = self.take_line();
             match name {
                 b"$MeshFormat" => self.format()?,
-                b"$NOD" | b"$ELM" => {
-                    self.at = start;
-                    return Err(self.unsupported("MSH version 1 (2.2 and 4.1 are read)"));
-                }
+                b"$NOD" | b"$ELM" => return Err(self.back_at(start).unsupported("MSH version 1 (2.2 and 4.1 are read)")),
                 b"$PhysicalNames" => self.physical_names()?,
                 b"$Entities" | b"$Nodes" | b"$Elements" => {
                     let Some(header) = self.header else {
-                        self.at = start;
-                        return Err(self.broken("a section of data stands before $MeshFormat"));
+                        return Err(self.back_at(start).broken("a section of data stands before $MeshFormat"));
                     };
                     if header.binary {
                         let mut source = Binary::new(self.bytes, self.at, header.big_endian);
@@ -118,8 +120,7 @@ impl<'a> Reader<'a> {
                     self.end(&name[1..])?;
                 }
                 b"$ParametricNodes" => {
-                    self.at = start;
-                    return Err(self.unsupported("$ParametricNodes (save without parametric coordinates)"));
+                    return Err(self.back_at(start).unsupported("$ParametricNodes (save without parametric coordinates)"));
                 }
                 [b'$', rest @ ..]
                     if !rest.is_empty() && rest.len() <= 64 && rest.iter().all(|b| b.is_ascii_alphanumeric() || *b == b'_') =>
@@ -127,9 +128,8 @@ impl<'a> Reader<'a> {
                     self.skip_section(rest, start)?;
                 }
                 _ => {
-                    self.at = start;
                     let text = String::from_utf8_lossy(&name[..name.len().min(24)]).into_owned();
-                    return Err(self.broken(format!("expected the $Name of a section, found `{text}`")));
+                    return Err(self.back_at(start).broken(format!("expected the $Name of a section, found `{text}`")));
                 }
             }
         }
@@ -143,12 +143,11 @@ impl<'a> Reader<'a> {
         if line.strip_prefix(b"$End") == Some(name) {
             return Ok(());
         }
-        self.at = start;
         let (name, text) = (String::from_utf8_lossy(name), String::from_utf8_lossy(&line[..line.len().min(24)]));
         if line.is_empty() {
-            return Err(self.broken(format!("the file ends inside ${name}")));
+            return Err(self.back_at(start).broken(format!("the file ends inside ${name}")));
         }
-        Err(self.broken(format!("expected $End{name}, found `{text}`")))
+        Err(self.back_at(start).broken(format!("expected $End{name}, found `{text}`")))
     }
 
     fn skip_section(&mut self, name: &[u8], start: usize) -> Result<(), FileError> {
@@ -254,8 +253,7 @@ impl<'a> Reader<'a> {
             b"$Entities" => Err(self.broken("$Entities in a file of version 2.2")),
             b"$Nodes" => {
                 if self.lookup.is_some() {
-                    self.at = start;
-                    return Err(self.broken("a second $Nodes"));
+                    return Err(self.back_at(start).broken("a second $Nodes"));
                 }
                 match header.version {
                     Version::V2 => self.nodes_v2(header, source),
@@ -309,39 +307,7 @@ impl<'a> Reader<'a> {
         if !self.entities.list.is_empty() || self.elements {
             return Err(self.broken("a second $Entities, or one after $Elements"));
         }
-        let mut counts = [0; 4];
-        for count in &mut counts {
-            *count = source.size()?;
-        }
-        for (dimension, count) in counts.into_iter().enumerate() {
-            for _ in 0..count {
-                let number = source.int()?;
-                for _ in 0..if dimension == 0 { 3 } else { 6 } {
-                    source.real()?;
-                }
-                let first = self.entities.groups.len();
-                for _ in 0..source.size()? {
-                    let group = source.int()?;
-                    self.budget.room(&mut self.entities.groups, 1)?;
-                    self.entities.groups.push(group);
-                }
-                if dimension > 0 {
-                    for _ in 0..source.size()? {
-                        source.int()?;
-                    }
-                }
-                let groups = self.entities.groups.len() - first;
-                if groups > 0 {
-                    self.budget.room(&mut self.entities.list, 1)?;
-                    self.entities.list.push((dimension, number, first, groups));
-                }
-            }
-        }
-        self.entities.list.sort_unstable();
-        if let Some(pair) = self.entities.list.windows(2).find(|w| (w[0].0, w[0].1) == (w[1].0, w[1].1)) {
-            return Err(source.broken(format!("entity {} of dimension {} stands twice", pair[0].1, pair[0].0)));
-        }
-        Ok(())
+        self.entities.read(source, &mut self.budget)
     }
 
     #[inline]

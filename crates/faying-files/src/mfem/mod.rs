@@ -5,6 +5,7 @@
 mod cells;
 mod lagrange;
 mod nurbs;
+mod patch_sides;
 mod refine;
 mod write;
 mod write_mesh;

@@ -4,10 +4,10 @@
 //! stored either with every patch (`patches`) or once for the whole mesh, numbered as described in `cells`.
 
 use super::super::budget::Budget;
-use super::super::sides::SIDES;
 use super::super::text::{Words, broken, check_knots, check_weights, shown, unsupported};
-use super::super::{CellShape, FileError, Format, KnotUse, Label, PatchSide, SplineFile, SplinePatch};
+use super::super::{CellShape, FileError, Format, KnotUse, SplineFile, SplinePatch};
 use super::cells::{self, Cell, Skeleton, Starts, tensor_unknown};
+use super::patch_sides::{joints_of, labels_of, sides_of};
 use super::{Field, dimension, end};
 use std::collections::{BTreeMap, HashMap};
 
@@ -462,69 +462,4 @@ fn skip_spacing(words: &mut Words<'_>, notes: &mut Vec<String>) -> Result<(), Fi
         notes.push(format!("{count} spacing formulas are not read; the elements are those of the knots"));
     }
     Ok(())
-}
-
-/// Sides by their vertices in rising order.
-type Sides = HashMap<[u32; 4], Vec<(u32, u8)>>;
-
-/// Vertices of a side in rising order.
-fn side_key(patch: &Cell, dimension: usize, side: usize) -> [u32; 4] {
-    let mut key = [cells::NONE; 4];
-    let (d, end) = (side / 2, side % 2);
-    let all = (0..1usize << dimension).filter(|bits| (bits >> d) & 1 == end);
-    for (slot, bits) in key.iter_mut().zip(all) {
-        *slot = patch.corner(bits);
-    }
-    key.sort_unstable();
-    key
-}
-
-fn sides_of(patches: &[Cell], dimension: usize, budget: &mut Budget) -> Result<Sides, FileError> {
-    budget.items(patches.len() * 2 * dimension, 4 * size_of::<([u32; 4], Vec<(u32, u8)>)>() + 4 * size_of::<(u32, u8)>())?;
-    budget.items(patches.len() * 2 * dimension, 2 * size_of::<PatchSide>())?;
-    let mut sides = Sides::new();
-    for (k, patch) in patches.iter().enumerate() {
-        for side in 0..2 * dimension {
-            sides.entry(side_key(patch, dimension, side)).or_default().push((k as u32, side as u8));
-        }
-    }
-    Ok(sides)
-}
-
-fn named(&(patch, side): &(u32, u8)) -> PatchSide {
-    PatchSide { patch: patch as usize, side: SIDES[side as usize].to_string() }
-}
-
-/// Sides with the same vertices, in the order of the patches.
-fn joints_of(patches: &[Cell], dimension: usize, sides: &Sides) -> Vec<[PatchSide; 2]> {
-    let mut joints = Vec::new();
-    for (k, patch) in patches.iter().enumerate() {
-        for side in 0..2 * dimension {
-            let all = &sides[&side_key(patch, dimension, side)];
-            let first = all[0];
-            if first != (k as u32, side as u8) {
-                joints.push([named(&first), named(&(k as u32, side as u8))]);
-            }
-        }
-    }
-    joints
-}
-
-/// Sides under the numbers of the boundary elements.
-fn labels_of(boundary: &[Cell], dimension: usize, sides: &Sides) -> Result<Vec<Label>, FileError> {
-    let mut labels: BTreeMap<i64, Vec<PatchSide>> = BTreeMap::new();
-    for cell in boundary {
-        let mut key = [cells::NONE; 4];
-        let corners = cell.corners();
-        let found = (cell.shape.dimension() + 1 == dimension).then(|| {
-            for (slot, v) in key.iter_mut().zip(corners) {
-                *slot = *v;
-            }
-            key.sort_unstable();
-            sides.get(&key)
-        });
-        let all = found.flatten().ok_or_else(|| broken(cell.line, "a boundary element is no side of a patch"))?;
-        labels.entry(cell.attribute).or_default().extend(all.iter().map(named));
-    }
-    Ok(labels.into_iter().map(|(number, sides)| Label { name: number.to_string(), sides }).collect())
 }
