@@ -9,11 +9,10 @@
 //! There is no half width where fewer than four elements lie in the tail, seven if it has to begin before 0.8, or where its end does not lie
 //! in the last two elements of the functions' zone or the one after.
 
-use super::ContactRows;
 use super::several::Several;
 use super::tail::Tail;
 use crate::basis::Order;
-use crate::coupling::interface::Chain;
+use crate::coupling::interface::{Chain, Segments};
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector, lit, measure};
 use crate::quadrature::{Rule, gauss_legendre};
@@ -64,8 +63,8 @@ pub enum NoHalfWidth {
 pub struct ClosedSide<'a, const N: usize, T: Real = f64> {
     /// The side.
     pub slave: &'a dyn Geometry<1, N, T>,
-    /// Its rows and points.
-    pub contact: &'a ContactRows<1, N, T>,
+    /// Its pieces and points, with weights along the curve.
+    pub segments: &'a Segments<1, T>,
     /// Whether each point of the segments lies in the closed zone, as in [`super::ContactResultants`].
     pub closed: &'a [bool],
     /// The pressure at each of them [force/area].
@@ -159,7 +158,7 @@ impl<T: Real> Section<T> {
         // (side, piece, element of the curve)
         let (mut pieces, mut carries, mut base) = (Vec::new(), vec![false; n], 0);
         for side in sides {
-            let segments = &side.contact.segments;
+            let segments = side.segments;
             for piece in 0..segments.num_pieces() {
                 let element = base + segments.slave[piece];
                 carries[element] |= segments.points(piece).any(|q| side.pressure[q] != T::zero());
@@ -169,7 +168,7 @@ impl<T: Real> Section<T> {
         }
         let beside = |e: usize| (0..2).any(|end| chain.neighbour(e, end).is_some_and(|(other, _)| carries[other]));
         for (side, piece, element) in pieces.into_iter().filter(|&(_, _, e)| carries[e] || beside(e)) {
-            let segments = &side.contact.segments;
+            let segments = side.segments;
             let (mut points, mut whole, mut moment) = (Vec::new(), T::zero(), T::zero());
             for q in segments.points(piece) {
                 let (s, p, ds) = (arc.to(element, segments.slave_xi[q][0]), side.pressure[q], segments.ds[q]);

@@ -15,6 +15,7 @@ use crate::geometry::{Embedding, MapTable, cell, circumference};
 use crate::linalg::{Matrix, Vector};
 use crate::quadrature::Quadrature;
 use crate::space::Trace;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 /// Radii below this share of the size of a body are rounding.
@@ -119,8 +120,11 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 
     /// Segments of the curve whose surface of revolution `segments` are those of.
-    pub(super) fn along_curve(&self, segments: &Segments<S>, slave: &BodySide<S, N>) -> Segments<S> {
-        if self.is_revolved() { segments.clone().scaled(&*slave.trace.space, &|x| 1.0 / circumference(x)) } else { segments.clone() }
+    pub(super) fn along_curve<'a>(&self, segments: &'a Segments<S>, slave: &BodySide<S, N>) -> Cow<'a, Segments<S>> {
+        if !self.is_revolved() {
+            return Cow::Borrowed(segments);
+        }
+        Cow::Owned(segments.clone().scaled(&*slave.trace.space, &|x| 1.0 / circumference(x)))
     }
 
     /// A resultant in space: bodies of revolution have no moments.

@@ -1,15 +1,17 @@
 //! The zone of a contact, and its extent.
 
-use crate::contact::{ContactResultants, ContactRows, NoHalfWidth};
+use crate::contact::{ContactResultants, NoHalfWidth};
+use crate::coupling::Segments;
 use crate::geometry::Geometry;
+use std::borrow::Cow;
 
 /// A slave side of a contact with its rows, and what these transmit.
 #[derive(Debug)]
 pub struct ContactZone<'a, const S: usize, const N: usize> {
     /// The side.
     pub slave: &'a dyn Geometry<S, N>,
-    /// Its rows and points.
-    pub contact: &'a ContactRows<S, N>,
+    /// Its pieces and points, with weights along the curve or the surface.
+    pub segments: Cow<'a, Segments<S>>,
     /// Pressure and closed points.
     pub sent: ContactResultants<N>,
 }

@@ -228,7 +228,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
                 sum.lost += rows.segments.report.lost.len();
                 balance.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), lambda);
             }
-            zones.push(ContactZone { slave: &*part.slave.trace.space, contact: rows, sent });
+            zones.push(ContactZone { slave: &*part.slave.trace.space, segments: model.along_curve(&rows.segments, &part.slave), sent });
         }
         sum.balance = balance.defect();
         sum.moment = model.in_space(Resultant { moment: sum.moment, ..Resultant::default() }).moment;

@@ -109,7 +109,7 @@ impl InterfaceSide<1, 2> for Trace<1, 2> {
     fn half_width(zones: &[ContactZone<'_, 1, 2>], symmetry: bool) -> Option<Result<f64, NoHalfWidth>> {
         let closed = zones.iter().map(|zone| {
             let sent = &zone.sent;
-            ClosedSide { slave: zone.slave, contact: zone.contact, closed: &sent.closed, pressure: &sent.pressure }
+            ClosedSide { slave: zone.slave, segments: &zone.segments, closed: &sent.closed, pressure: &sent.pressure }
         });
         Some(half_width(&closed.collect::<Vec<_>>(), symmetry))
     }

@@ -61,6 +61,8 @@ pub(crate) struct Collapse {
 pub(crate) struct ElementGrid<const N: usize> {
     /// Element ends per direction in the parameters of the net.
     pub breakpoints: [Vec<f64>; N],
+    /// The net of the exact map.
+    net: ControlNet<N, N>,
     /// The exact map of the net on these elements.
     pub exact: Arc<dyn Geometry<N, N>>,
     pub collapsed: Vec<Collapse>,
@@ -73,22 +75,8 @@ impl<const N: usize> ElementGrid<N> {
         for k in 0..N {
             all[k] = joined(k, net.axes[k].breakpoints(), &breakpoints[k])?;
         }
-        let axes = std::array::from_fn(|k| {
-            let axis = &net.axes[k];
-            let cells = all[k].windows(2).map(|w| {
-                let (element, _) = axis.find(0.5 * (w[0] + w[1]));
-                let (a, b) = axis.interval(element);
-                (element, (w[0] - a) / (b - a), (w[1] - w[0]) / (b - a))
-            });
-            Refined::new(axis.clone(), cells.collect())
-        });
-        let product = TensorProduct::new(axes);
-        let points = net.points.clone();
-        let exact: Arc<dyn Geometry<N, N>> = match &net.weights {
-            Some(w) => Arc::new(ControlPoints { basis: Rational::new::<N>(product, w.clone()), points }),
-            None => Arc::new(ControlPoints { basis: product, points }),
-        };
-        Ok(Self { breakpoints: all, exact, collapsed: collapses(net) })
+        let exact = exact_map(net, &all);
+        Ok(Self { breakpoints: all, net: net.clone(), exact, collapsed: collapses(net) })
     }
 
     /// Elements per direction.
@@ -120,6 +108,15 @@ impl<const N: usize> ElementGrid<N> {
         Ok(side)
     }
 
+    /// The exact map of a side: at an open end the other functions of the net vanish.
+    pub fn side_map<const S: usize>(&self, side: SideOf) -> Arc<dyn Geometry<S, N>> {
+        let counts = self.net.axes.each_ref().map(|axis| axis.num_functions());
+        let on = on_side(&counts, side);
+        let points = on.iter().map(|&i| self.net.points[i]).collect();
+        let weights = self.net.weights.as_ref().map(|w| on.iter().map(|&i| w[i]).collect());
+        exact_map(&ControlNet { axes: side_axes(&self.net.axes, side), points, weights }, &side_axes(&self.breakpoints, side))
+    }
+
     /// Embeddings of the elements of a side in the cells of the grid, first axis fastest.
     pub fn facets<const S: usize>(&self, side: SideOf) -> Vec<Embedding<S, N>> {
         let along = side.along(N);
@@ -127,6 +124,29 @@ impl<const N: usize> ElementGrid<N> {
         let origin = Vector::<N>::from_fn(|k, _| if k == side.axis { side.end as f64 } else { 0.0 });
         on_side(&self.counts(), side).into_iter().map(|element| Embedding { element, origin, axes }).collect()
     }
+}
+
+/// The map of a net on the elements between `breakpoints`, which hold its knots.
+fn exact_map<const D: usize, const N: usize>(net: &ControlNet<D, N>, breakpoints: &[Vec<f64>; D]) -> Arc<dyn Geometry<D, N>> {
+    let axes = std::array::from_fn(|k| {
+        let axis = &net.axes[k];
+        let cells = breakpoints[k].windows(2).map(|w| {
+            let (element, _) = axis.find(0.5 * (w[0] + w[1]));
+            let (a, b) = axis.interval(element);
+            (element, (w[0] - a) / (b - a), (w[1] - w[0]) / (b - a))
+        });
+        Refined::new(axis.clone(), cells.collect())
+    });
+    let (product, points) = (TensorProduct::new(axes), net.points.clone());
+    match &net.weights {
+        Some(w) => Arc::new(ControlPoints { basis: Rational::new::<D>(product, w.clone()), points }),
+        None => Arc::new(ControlPoints { basis: product, points }),
+    }
+}
+
+/// The axes that run along a side.
+pub(crate) fn side_axes<const S: usize, const N: usize, A: Clone>(axes: &[A; N], side: SideOf) -> [A; S] {
+    std::array::from_fn(|k| axes[if k < side.axis { k } else { k + 1 }].clone())
 }
 
 /// The entries of a grid of `counts` that touch a face, first axis fastest.

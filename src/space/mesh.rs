@@ -5,8 +5,8 @@ use super::mesh_trace::FacetSides;
 use super::{
     Body, Dimension, FunctionSpace, Mapping, MeshCells, MeshError, PatchSpec, Quality, SideError, Space, SpecError, Submesh, Trace,
 };
-use crate::basis::{Basis, Cell, LagrangeLine, TensorProduct};
-use crate::geometry::{Embedded, Embedding, Geometry};
+use crate::basis::{Basis, LagrangeLine, TensorProduct};
+use crate::geometry::{Embedding, Geometry};
 use crate::linalg::Vector;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -19,8 +19,6 @@ pub struct Mesh<const S: usize, const N: usize> {
     /// Element grid of the patch; `None` for a mesh of cells.
     pub(super) grid: Option<ElementGrid<N>>,
     pub(super) space: Arc<dyn Space<N, N>>,
-    /// The map of the mesh's elements.
-    pub(super) geometry: Arc<dyn Geometry<N, N>>,
     pub(super) sides: FacetTables<S, N>,
     pub(super) quality: Quality<N>,
     pub(super) named: MeshPoints<N>,
@@ -37,13 +35,14 @@ pub(super) enum FacetTables<const S: usize, const N: usize> {
     Facets(FacetSides<N>),
 }
 
-/// Data of one side of a patch mesh: Lagrange lines, functions, facets.
+/// Data of one side of a patch mesh: Lagrange lines, functions, map, facets.
 #[derive(Clone, Debug)]
 pub(super) struct MeshSide<const S: usize, const N: usize> {
     /// Lagrange lines along the side.
     pub lines: [LagrangeLine<f64>; S],
     /// Function of the mesh for each product of the lines; products at a collapsed edge share one.
     pub ids: Vec<usize>,
+    pub geometry: Arc<dyn Geometry<S, N>>,
     pub facets: Vec<Embedding<S, N>>,
 }
 
@@ -118,8 +117,8 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
             FacetTables::Lines(sides) => &sides[&name],
         };
         let (basis, dofs): (Box<dyn Basis<S>>, _) = super::grid::merge::<S>(TensorProduct::new(side.lines.clone()), &side.ids);
-        let geometry = Embedded::new(self.geometry.clone(), side.facets.clone(), Cell::Tensor);
-        Ok(Trace::on_boundary(&self.space, Arc::new(FunctionSpace { basis, geometry }), dofs, side.facets.clone()))
+        let space = FunctionSpace { basis, geometry: side.geometry.clone() };
+        Ok(Trace::on_boundary(&self.space, Arc::new(space), dofs, side.facets.clone()))
     }
 
     /// Name of the side of a mesh of cells that holds the boundary facets without a tag: `untagged`, with underscores appended

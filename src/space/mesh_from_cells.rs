@@ -7,7 +7,7 @@ use super::mesh_facets::Facets;
 use super::mesh_trace::{FacetMap, FacetSides};
 use super::{FunctionSpace, InvertedElement, MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSOR, Mapping, Mesh, MeshCells, MeshError, Space, quality};
 use crate::basis::{Basis, Cell, Order, ShapeTable, Topology, Unstructured, corner_places, lagrange_nodes, lattice, simplex_nodes};
-use crate::geometry::{ControlPoints, Geometry, cell};
+use crate::geometry::{ControlPoints, cell};
 use crate::linalg::{Matrix, Vector, determinant};
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -39,17 +39,16 @@ impl<const S: usize, const N: usize> Mesh<S, N> {
         let named_facets = facets.named(&cells.tags, &raw.vertex_of_point(&flipped, &topology))?;
 
         let isoparametric = Arc::new(ControlPoints { basis: map.clone(), points });
-        let geometry: Arc<dyn Geometry<N, N>> = isoparametric.clone();
         let (space, basis): (Arc<dyn Space<N, N>>, _) = if order == degree {
             (isoparametric.clone(), map)
         } else {
             let basis = Unstructured::lagrange_along(degree, topology.clone(), &along);
-            (Arc::new(FunctionSpace { basis: basis.clone(), geometry: geometry.clone() }), basis)
+            (Arc::new(FunctionSpace { basis: basis.clone(), geometry: isoparametric.clone() }), basis)
         };
         let named = MeshPoints { function: raw.functions_at_points(&flipped, &basis, degree), points: cells.points.clone() };
         let quality = quality(&*space)?;
         let sides = FacetTables::Facets(FacetSides { basis, map: FacetMap::Nodes(isoparametric), named: named_facets });
-        Ok(Mesh { grid: None, space, geometry, sides, quality, named, exact: false })
+        Ok(Mesh { grid: None, space, sides, quality, named, exact: false })
     }
 }
 

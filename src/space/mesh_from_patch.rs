@@ -1,9 +1,8 @@
 //! The Lagrange mesh of a patch.
 
-use super::grid::{ElementGrid, Merged, SideOf, join, merge, on_side, split};
+use super::grid::{ElementGrid, Merged, SideOf, join, merge, on_side, side_axes, split};
 use super::mesh::{FacetTables, MeshPoints, MeshSide};
 use super::mesh_tetrahedra::tetrahedra;
-use super::patch::side_axes;
 use super::{FunctionSpace, MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSOR, Mapping, Mesh, PatchSpec, Space, SpecError, quality};
 use crate::basis::{
     Basis, Cell, LagrangeLine, LagrangeSimplex, Order, TensorProduct, lagrange_nodes, simplex_lattice, simplex_nodes, simplex_numbering,
@@ -39,35 +38,39 @@ fn tensor<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S,
     let counts = lines.each_ref().map(|l| l.num_functions());
     let product = TensorProduct::new(lines.clone());
     let merged = Merged::new(&counts, &grid.collapsed);
-    let isoparametric = || ControlPoints { basis: product.clone(), points: nodes_of(spec, &grid, &product) };
-    let geometry: Arc<dyn Geometry<N, N>> = match spec.mapping {
-        Mapping::Isoparametric => Arc::new(isoparametric()),
-        Mapping::Exact => grid.exact.clone(),
-    };
-    let space: Arc<dyn Space<N, N>> = if spec.mapping == Mapping::Isoparametric && merged.is_trivial() {
+    let nodes = (spec.mapping == Mapping::Isoparametric).then(|| nodes_of(spec, &grid, &product));
+    let isoparametric = nodes.clone().map(|points| ControlPoints { basis: product.clone(), points });
+    let space: Arc<dyn Space<N, N>> = match isoparametric {
         // one table serves the functions and the map
-        Arc::new(isoparametric())
-    } else {
-        Arc::new(FunctionSpace { basis: merge::<N>(product, &merged.id).0, geometry: geometry.clone() })
+        Some(space) if merged.is_trivial() => Arc::new(space),
+        Some(geometry) => Arc::new(FunctionSpace { basis: merge::<N>(product, &merged.id).0, geometry }),
+        None => Arc::new(FunctionSpace { basis: merge::<N>(product, &merged.id).0, geometry: grid.exact.clone() }),
     };
     let quality = quality(&*space)?;
     let sides = SideOf::all(N)
         .into_iter()
         .filter(|s| !grid.is_collapsed(*s))
         .map(|side| {
-            let ids = on_side(&counts, side).into_iter().map(|i| merged.id[i]).collect();
-            (side.name(), MeshSide { lines: side_axes::<S, N, _>(&lines, side), ids, facets: grid.facets(side) })
+            let (on, lines) = (on_side(&counts, side), side_axes::<S, N, _>(&lines, side));
+            let geometry = side_map(&grid, side, &lines, nodes.as_ref().map(|nodes| on.iter().map(|&i| nodes[i]).collect()));
+            let ids = on.into_iter().map(|i| merged.id[i]).collect();
+            (side.name(), MeshSide { lines, ids, geometry, facets: grid.facets(side) })
         })
         .collect();
-    Ok(Mesh {
-        grid: Some(grid),
-        space,
-        geometry,
-        sides: FacetTables::Lines(sides),
-        quality,
-        named: MeshPoints::default(),
-        exact: spec.is_exact(),
-    })
+    Ok(Mesh { grid: Some(grid), space, sides: FacetTables::Lines(sides), quality, named: MeshPoints::default(), exact: spec.is_exact() })
+}
+
+/// The map of a side: through its `nodes` if it is isoparametric, else the exact one.
+fn side_map<const S: usize, const N: usize>(
+    grid: &ElementGrid<N>,
+    side: SideOf,
+    lines: &[LagrangeLine<f64>; S],
+    nodes: Option<Vec<Vector<N>>>,
+) -> Arc<dyn Geometry<S, N>> {
+    match nodes {
+        Some(points) => Arc::new(ControlPoints { basis: TensorProduct::new(lines.clone()), points }),
+        None => grid.side_map(side),
+    }
 }
 
 /// The nodes of a tensor mesh on the exact map, one per function.
@@ -145,7 +148,8 @@ fn simplex<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S
         }
     }
 
-    let (space, geometry, id): (Arc<dyn Space<N, N>>, Arc<dyn Geometry<N, N>>, Vec<usize>) = if exact {
+    let nodes = (!exact).then(|| points.clone());
+    let (space, id): (Arc<dyn Space<N, N>>, Vec<usize>) = if exact {
         let cells = triangles
             .iter()
             .map(|t| Embedding {
@@ -154,28 +158,19 @@ fn simplex<const S: usize, const N: usize>(spec: &PatchSpec<N>) -> Result<Mesh<S
                 axes: Matrix::from_fn(|k, s| (t.vertices[s + 1] - t.vertices[0])[k]),
             })
             .collect();
-        let geometry: Arc<dyn Geometry<N, N>> = Arc::new(Embedded::new(grid.exact.clone(), cells, Cell::Simplex));
+        let geometry = Embedded::new(grid.exact.clone(), cells, Cell::Simplex);
         let mut first: Vec<Option<usize>> = vec![None; grid.collapsed.len()];
         let same: Vec<usize> = (0..functions).map(|i| on_edge[i].map_or(i, |edge| *first[edge].get_or_insert(i))).collect();
         let (basis, dofs) = merge::<N>(basis, &same);
         let place: HashMap<usize, usize> = dofs.iter().enumerate().map(|(k, &i)| (i, k)).collect();
         let id = same.iter().map(|i| place[i]).collect();
-        (Arc::new(FunctionSpace { basis, geometry: geometry.clone() }), geometry, id)
+        (Arc::new(FunctionSpace { basis, geometry }), id)
     } else {
-        let isoparametric = Arc::new(ControlPoints { basis, points });
-        (isoparametric.clone(), isoparametric, (0..functions).collect())
+        (Arc::new(ControlPoints { basis, points }), (0..functions).collect())
     };
     let quality = quality(&*space)?;
-    let sides = sides(spec, &grid, &triangles, exact, &connectivity, &id);
-    Ok(Mesh {
-        grid: Some(grid),
-        space,
-        geometry,
-        sides: FacetTables::Lines(sides),
-        quality,
-        named: MeshPoints::default(),
-        exact: spec.is_exact(),
-    })
+    let sides = sides(spec, &grid, &triangles, nodes.as_deref(), &connectivity, &id);
+    Ok(Mesh { grid: Some(grid), space, sides: FacetTables::Lines(sides), quality, named: MeshPoints::default(), exact: spec.is_exact() })
 }
 
 impl<const N: usize> Triangle<N> {
@@ -242,19 +237,20 @@ fn fan<const N: usize>(grid: &ElementGrid<N>, at: &[usize; N], vertices: &[Vecto
     })
 }
 
-/// The sides of a triangle mesh: edges in the direction of increasing parameter, found by their vertices.
+/// The sides of a triangle mesh: edges in the direction of increasing parameter, found by their vertices; `nodes`: those of an
+/// isoparametric map.
 fn sides<const S: usize, const N: usize>(
     spec: &PatchSpec<N>,
     grid: &ElementGrid<N>,
     triangles: &[Triangle<N>],
-    exact: bool,
+    nodes: Option<&[Vector<N>]>,
     connectivity: &[usize],
     id: &[usize],
 ) -> HashMap<String, MeshSide<S, N>> {
     let degree = spec.degree[0];
     let lattice = simplex_lattice::<N>(degree);
     let local_at: HashMap<[usize; N], usize> = lattice.iter().enumerate().map(|(a, &i)| (i, a)).collect();
-    let (counts, vertex) = vertices(grid, !exact);
+    let (counts, vertex) = vertices(grid, nodes.is_some());
     let mut edges: HashMap<(usize, usize), (usize, usize, usize)> = HashMap::new();
     for (t, triangle) in triangles.iter().enumerate() {
         for (a, b) in [(0, 1), (1, 2), (2, 0)] {
@@ -286,8 +282,9 @@ fn sides<const S: usize, const N: usize>(
                 ids.push(id[connectivity[t * lattice.len() + local_at[&index]]]);
             }
         }
-        let lines = std::array::from_fn(|_| LagrangeLine::with_breakpoints(degree, grid.breakpoints[along].clone()));
-        sides.insert(side.name(), MeshSide { lines, ids, facets });
+        let lines: [_; S] = std::array::from_fn(|_| LagrangeLine::with_breakpoints(degree, grid.breakpoints[along].clone()));
+        let geometry = side_map(grid, side, &lines, nodes.map(|nodes| ids.iter().map(|&i| nodes[i]).collect()));
+        sides.insert(side.name(), MeshSide { lines, ids, geometry, facets });
     }
     sides
 }

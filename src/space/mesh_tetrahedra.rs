@@ -42,7 +42,7 @@ pub(super) fn tetrahedra<const S: usize, const N: usize>(spec: &PatchSpec<N>) ->
     let isoparametric = Arc::new(ControlPoints { points: nodes_of(&grid, &cut, &basis, degree), basis });
     let basis = isoparametric.basis.clone();
     let named = sides(&grid, &counts, &vertex.id, &topology);
-    let (space, geometry, map): (Arc<dyn Space<N, N>>, Arc<dyn Geometry<N, N>>, _) = if exact {
+    let (space, map): (Arc<dyn Space<N, N>>, _) = if exact {
         let corner = |bits: usize| Vector::<N>::from_fn(|k, _| (bits >> k & 1) as f64);
         let embedding = |t: &Tetrahedron| Embedding {
             element: t.cell,
@@ -51,13 +51,13 @@ pub(super) fn tetrahedra<const S: usize, const N: usize>(spec: &PatchSpec<N>) ->
         };
         let cells = cut.iter().map(embedding).collect();
         let geometry: Arc<dyn Geometry<N, N>> = Arc::new(Embedded::new(grid.exact.clone(), cells, Cell::Simplex));
-        (Arc::new(FunctionSpace { basis: basis.clone(), geometry: geometry.clone() }), geometry.clone(), FacetMap::Through(geometry))
+        (Arc::new(FunctionSpace { basis: basis.clone(), geometry: geometry.clone() }), FacetMap::Through(geometry))
     } else {
-        (isoparametric.clone(), isoparametric.clone(), FacetMap::Nodes(isoparametric))
+        (isoparametric.clone(), FacetMap::Nodes(isoparametric))
     };
     let quality = quality(&*space)?;
     let sides = FacetTables::Facets(FacetSides { basis, map, named });
-    Ok(Mesh { grid: Some(grid), space, geometry, sides, quality, named: MeshPoints::default(), exact: spec.is_exact() })
+    Ok(Mesh { grid: Some(grid), space, sides, quality, named: MeshPoints::default(), exact: spec.is_exact() })
 }
 
 /// Cuts all cells into tetrahedra with merged vertices.

@@ -1,9 +1,8 @@
 //! Spline patches: isogeometric analysis.
 
-use super::grid::{ElementGrid, Merged, SideOf, merge, on_side};
+use super::grid::{ElementGrid, Merged, merge, on_side, side_axes};
 use super::{BasisKind, Body, Dimension, FunctionSpace, PatchSpec, Quality, SideError, Space, SpecError, Trace, quality};
 use crate::basis::{BSpline, Basis, Rational, TensorProduct};
-use crate::geometry::Embedded;
 use crate::linalg::to_f64;
 use std::sync::Arc;
 
@@ -104,9 +103,8 @@ impl<const S: usize, const N: usize> Patch<S, N> {
             Some(w) => merge::<S>(Rational::new::<S>(product, on.iter().map(|&i| w[i]).collect()), &ids),
             None => merge::<S>(product, &ids),
         };
-        let facets = self.grid.facets::<S>(side);
-        let geometry = Embedded::new(self.grid.exact.clone(), facets.clone(), crate::basis::Cell::Tensor);
-        Ok(Trace::on_boundary(&self.space, Arc::new(FunctionSpace { basis, geometry }), dofs, facets))
+        let space = FunctionSpace { basis, geometry: self.grid.side_map::<S>(side) };
+        Ok(Trace::on_boundary(&self.space, Arc::new(space), dofs, self.grid.facets(side)))
     }
 
     /// Least Jacobian, orientation, degenerate points.
@@ -138,11 +136,6 @@ where
     fn trace(&self, side: &str) -> Result<Trace<S, N>, SideError> {
         Trace::side_of_patch(self, side)
     }
-}
-
-/// The axes that run along a side.
-pub(crate) fn side_axes<const S: usize, const N: usize, A: Clone>(axes: &[A; N], side: SideOf) -> [A; S] {
-    std::array::from_fn(|k| axes[if k < side.axis { k } else { k + 1 }].clone())
 }
 
 /// The splines of one direction.

@@ -195,7 +195,7 @@ fn a_press_fit_and_a_rigid_side_give_the_same_state_as_the_master() {
 }
 
 fn side_of<'a>(side: &'a Trace<1, 2>, r: &'a Pressed) -> ClosedSide<'a, 2> {
-    ClosedSide { slave: &*side.space, contact: &r.contact, closed: &r.transmitted.closed, pressure: &r.transmitted.pressure }
+    ClosedSide { slave: &*side.space, segments: &r.contact.segments, closed: &r.transmitted.closed, pressure: &r.transmitted.pressure }
 }
 
 /// Sizes `first`, `count` of them, then growing by `ratio` up to `end`; from 0.

@@ -91,6 +91,27 @@ fn the_pressure_in_the_centre_converges_for_every_multiplier_and_method() {
     }
 }
 
+/// Extents of zones are lengths of the curve, whatever the radius: a ring that is pressed as a whole, and Hertz' a³ = 3 F R / (4 E*).
+#[test]
+fn half_widths_are_lengths_of_the_curve() {
+    const A: &str = "[[probe]]\nname = \"a\"\nquantity = \"contact.c.half_width\"\n";
+    for backend in ["iga", "fe"] {
+        for radius in [0.0, 1.0, 30.0] {
+            let result = run(&format!(
+                "{MODEL}[discretization]\nbackend = \"{backend}\"\n[[patch]]\nname = \"a\"\n\
+                 geometry = {{ kind = \"box\", min = [{radius:?}, 0], max = [{:?}, 1] }}\nelements = [8, 3]\n\
+                 [[boundary]]\non = \"a.top\"\ndirichlet = {{ y = -0.01 }}\n\
+                 [[contact]]\nname = \"c\"\nslave = \"a.bottom\"\nrigid = {{ kind = \"half-plane\", point = [0, 0], normal = [0, 1] }}\n{A}",
+                radius + 1.0
+            ));
+            assert!((probe(&result, "a") - 0.5).abs() < 1e-9, "{backend} {radius}: {}", probe(&result, "a"));
+        }
+        let result = spheres(false, (backend, 2, 48, 0.003), 0.02, &format!("symmetry = true\n{A}"));
+        let hertz = (0.75 * probe(&result, "F") * RADIUS * 0.91 / 20000.0).cbrt();
+        assert!((probe(&result, "a") / hertz - 1.0).abs() < 1e-2, "{backend}: {} for {hertz}", probe(&result, "a"));
+    }
+}
+
 /// A cylinder under uniform compression: sigma_yy = -E d / h everywhere, on the axis too, for contacts and ties of every method.
 #[test]
 fn pressures_on_the_axis_are_those_beside_it() {
