@@ -71,7 +71,7 @@ pub const CODES: &[Code] = &[
         "wrong type",
         "A value has the wrong type: a text where a number is expected, one number where a list is expected. The message states what is allowed and what was found. Formulas are quoted, plain numbers and switches are not.",
         "degree = \"2\"         # a text where a whole number is expected",
-        "write degree = 2.",
+        "write what the message asks for: numbers without quotes, texts and formulas in quotes.",
     ),
     code(
         "E015",
@@ -263,7 +263,7 @@ pub const CODES: &[Code] = &[
         "material limits",
         "The material's constants leave the range in which the problem can be solved: -1 < poisson < 0.5, young > 0, conductivity > 0. Formulas are checked at the quadrature points.",
         "poisson = 0.5          # plane strain: incompressible",
-        "write a value below 0.5, such as 0.499.",
+        "write a value within the limits, such as poisson = 0.499 or young = 1.0.",
     ),
     code(
         "E054",

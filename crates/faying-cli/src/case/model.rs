@@ -18,6 +18,8 @@ impl Reader {
         let mut definitions = Vec::new();
         let mut nodes = Vec::new();
         let mut known = Vec::new();
+        // constants with an error get a value, so that formulas that use them are not reported again
+        let reported = ConstantText::Number(1.0);
         for e in &table.entries {
             if !is_free_name(&e.key) {
                 let help = "names in formulas are letters, digits and `_`, begin with a letter, and are none of x, y, z, t, r, theta, pi, e, nor a function";
@@ -29,11 +31,11 @@ impl Reader {
                 Value::Text(s) => ConstantText::Formula(s.clone()),
                 Value::Integer(_) | Value::Float(_) => match self.number_of(&e.node, &e.key, Sign::Any) {
                     Some(v) => ConstantText::Number(v),
-                    None => continue,
+                    None => reported.clone(),
                 },
                 _ => {
-                    self.wrong_type(&e.node, &e.key, "a number or a quoted formula", "");
-                    continue;
+                    self.wrong_type(&e.node, &e.key, "a number or a quoted formula", "write NAME = 2.5 or NAME = \"sqrt(F)\"");
+                    reported.clone()
                 }
             };
             definitions.push((e.key.clone(), text));
@@ -44,7 +46,6 @@ impl Reader {
             self.push_formula_error(&nodes[k], &definitions[k].0, &e);
         }
         self.constants = constants;
-        // constants with an error get a value, so that formulas that use them are not reported again
         for name in &known {
             if self.constants.get(name).is_none() {
                 self.constants.insert(name, 1.0);

@@ -87,11 +87,13 @@ impl Case {
             joints: Vec::new(),
             meetings: Vec::new(),
         };
+        let constants = set::constants(&root);
         for (k, option) in options.sets.iter().enumerate() {
             if let Err(d) = set::apply(&mut root, option, k) {
                 reader.found.push(*d);
             }
         }
+        set::unused(&root, &constants, &options.sets).into_iter().for_each(|d| reader.found.push(d));
         if let Some(backend) = &options.backend {
             axes::apply(&mut root, &Changes { backend: Some(backend.clone()), ..Changes::default() }, &options.names);
         }

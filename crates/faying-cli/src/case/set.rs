@@ -38,6 +38,40 @@ pub(super) fn apply(root: &mut Table, option: &str, index: usize) -> Result<(), 
     })
 }
 
+/// Names of the constants of `[let]`.
+pub(super) fn constants(root: &Table) -> Vec<String> {
+    match root.get("let").map(|e| &e.node.value) {
+        Some(Value::Table(table)) => table.entries.iter().map(|e| e.key.clone()).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Errors of options that give a constant which neither the file defines (`own`) nor anything in the case uses.
+pub(super) fn unused(root: &Table, own: &[String], options: &[String]) -> Vec<Diagnostic> {
+    let added = options.iter().filter_map(|option| Some((option, option.split_once('=')?.0.trim().strip_prefix("let.")?.trim())));
+    let unused = added.filter(|(_, name)| !own.iter().any(|o| o == name) && !root.entries.iter().any(|e| mentions(&e.node, name)));
+    let fault = |(option, name): (&String, &str)| {
+        let near = nearest(name, own.iter().map(String::as_str)).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+        let help = match own {
+            [] => "the case has no [let], and no formula of it uses the name".to_owned(),
+            _ => format!("constants here: {}", own.join(", ")),
+        };
+        let fault = Diagnostic::error("E012", format!("no formula uses a constant `{name}`{near}"));
+        fault.with_help(help).in_file(format!("--set {option}"))
+    };
+    unused.map(fault).collect()
+}
+
+/// Whether a text in `node` has `name` as a word.
+fn mentions(node: &Node, name: &str) -> bool {
+    match &node.value {
+        Value::Text(text) => text.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == name),
+        Value::List(list) => list.iter().any(|node| mentions(node, name)),
+        Value::Table(table) => table.entries.iter().any(|e| mentions(&e.node, name)),
+        _ => false,
+    }
+}
+
 /// All names of a key that has several.
 fn synonyms(key: &str) -> Vec<&'static str> {
     let blocks = rows::ROOT.iter().filter_map(|row| match row.special() {

@@ -11,6 +11,7 @@ use super::study_axes;
 use super::timing::Clock;
 use crate::case::StudyValues;
 use crate::errors::{Diagnostic, Diagnostics};
+use crate::plot::PlotError;
 use crate::studies::{Base, MOST_ROWS, Method, StoredRows, Study, StudyPlan, html, picture, split};
 use crate::{Progress, Registry, RunControl};
 use std::ffi::OsString;
@@ -182,6 +183,8 @@ fn written(results: &Results<'_>, study: &Study, kept: Option<&StoredRows>) -> E
     ];
     match svg {
         Ok(svg) => files.push(("study.svg", svg)),
+        // one row, or none with numbers: the table says it all
+        Err(PlotError::Empty(_)) => {}
         Err(why) => diagnostics.push(Diagnostic::warning("E091", format!("`study.svg` was not written: {why}"))),
     }
     match write(results, study, &files, &diagnostics) {

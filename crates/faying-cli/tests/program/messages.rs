@@ -91,10 +91,21 @@ fn g_is_a_constant_where_no_gap_formula_takes_it() {
     // without the constant g has no value outside of gap formulas
     says(at.path(), &["boundary.1.dirichlet={ y = \"g\" }"], &["E017", "`g` has a value only in the gap formula"]);
     // the gap is the geometric one, whatever the constant is
-    let out = faying(at.path(), &["run", "pair.toml", "--json", "--set", "let.g=5"]);
+    let out = faying(at.path(), &["run", "pair.toml", "--json", "--set", "let.g=5", "--set", "model.body_force=[\"0\", \"0*g\"]"]);
     let same = faying(at.path(), &["run", "pair.toml", "--json", "--force"]);
     let force = |out: &Output| serde_json::from_slice::<serde_json::Value>(&out.stdout).unwrap()["contact"]["pad"]["force"].clone();
     assert_eq!(force(&out), force(&same));
+}
+
+#[test]
+fn a_constant_with_an_error_is_one_error() {
+    let at = folder();
+    says(at.path(), &["let.E=true"], &["E014", "must be a number or a quoted formula", "write NAME = 2.5"]);
+    says(at.path(), &["let.E=nan"], &["E015"]);
+    says(at.path(), &["let.E=-1"], &["E053", "`young` must be positive", "young = 1.0"]);
+    // a constant that only an option gives is one that something uses
+    says(at.path(), &["let.e2=2"], &["E012", "no formula uses a constant `e2`", "constants here: E"]);
+    assert_eq!(said(at.path(), &["let.nu=0.2", "material.m.poisson=nu"]), "");
 }
 
 #[test]
@@ -214,4 +225,8 @@ fn a_study_with_a_row_that_failed_says_that_the_others_are_valid() {
     assert_eq!(out.status.code(), Some(3));
     let page = std::fs::read_to_string(at.path().join("pair.sweep/report.html")).unwrap();
     assert!(page.contains("1 of 2 rows could not be finished, the first one: invalid, E064. The other rows are valid."), "{page}");
+    // one row has no curve: nothing to warn of
+    let out = faying(at.path(), &["convergence", "pair.toml", "--levels", "1"]);
+    let said = String::from_utf8(out.stderr).unwrap();
+    assert!(out.status.success() && !said.contains("E091") && !at.path().join("pair.convergence/study.svg").exists(), "{said}");
 }
