@@ -82,6 +82,37 @@ pub fn wrapped<const S: usize, const N: usize>(
     } else {
         seam_twins(model, slave, &*psi)
     };
+    merged(psi, &twin)
+}
+
+/// Dual multipliers of a contact on a side that is glued to itself, with functions joined as by [`wrapped`]: their numbers have the order
+/// of the functions of the trace, so those of an element where every one of these has a multiplier are known.
+pub fn wrapped_dual<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    slave: &BodySide<S, N>,
+    constrained: &dyn Fn(usize) -> bool,
+    psi: Box<dyn Basis<S>>,
+) -> Box<dyn Basis<S>> {
+    let (space, dofs) = (&*slave.trace.space, &slave.trace.dofs);
+    let (mut ids, mut own) = (Vec::new(), Vec::new());
+    let mut of: BTreeMap<usize, usize> = BTreeMap::new();
+    for element in 0..space.num_elements() {
+        space.active(element, &mut ids);
+        psi.active(element, &mut own);
+        if ids.len() == own.len() {
+            ids.sort_unstable();
+            own.sort_unstable();
+            of.extend(ids.iter().copied().zip(own.iter().copied()));
+        }
+    }
+    let mut first: HashMap<usize, usize> = HashMap::new();
+    let free = of.into_iter().filter(|(i, _)| !constrained(dofs[*i]));
+    let pairs = free.map(|(i, j)| (j, *first.entry(model.function(slave.patch, dofs[i])).or_insert(j)));
+    merged(psi, &pairs.filter(|(j, one)| j != one).collect())
+}
+
+/// The functions of `psi`, of which those that have a twin are added to it.
+fn merged<const S: usize>(psi: Box<dyn Basis<S>>, twin: &BTreeMap<usize, usize>) -> Box<dyn Basis<S>> {
     if twin.is_empty() {
         return psi;
     }

@@ -228,6 +228,38 @@ fn overhang(backend: &str, degree: usize, share: f64, multiplier: &str) -> Strin
     )
 }
 
+/// A ring pressed on a plane, closed far from the zone of contact, beside it and in the middle of it: the same grid, the same pressure.
+#[test]
+fn a_ring_may_close_anywhere() {
+    let ring = |backend: &str, from: f64, multiplier: &str| {
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\ndegree = 2\n\
+             [[material]]\nname = \"m\"\nyoung = 1000.0\npoisson = 0.3\n\
+             [[patch]]\nname = \"r\"\nelements = [80, 4]\nclosed = \"u\"\n\
+             geometry = {{ kind = \"annulus-sector\", center = [0, 1], radius = [0.3, 1], angle_deg = [{from:?}, {:?}] }}\n\
+             [[boundary]]\non = \"r.v0\"\ndirichlet = [\"0\", \"-0.01\"]\n\
+             [[contact]]\nname = \"c\"\nslave = \"r.v1\"\nmultiplier = \"{multiplier}\"\n\
+             rigid = {{ kind = \"half-plane\", point = [0, 0], normal = [0, 1] }}\n",
+            from + 360.0
+        )
+    };
+    for backend in ["iga", "fe"] {
+        let of = |from: f64, multiplier: &str| {
+            let result = solve(&ring(backend, from, multiplier), &[]);
+            let c = contact(&result, "c");
+            (c.force[1], c.pressure.max, c.active)
+        };
+        let far = of(90.0, "dual");
+        for from in [0.0, -90.0] {
+            let (force, pressure, active) = of(from, "dual");
+            println!("{backend} {from}: {force} {pressure} {active}, far {far:?}");
+            assert!((force / far.0 - 1.0).abs() < 1e-9 && (pressure / far.1 - 1.0).abs() < 1e-7 && active == far.2, "{backend} {from}");
+        }
+        let other = of(90.0, "p/p");
+        assert!((far.0 / other.0 - 1.0).abs() < 0.05, "{backend}: {far:?} {other:?}");
+    }
+}
+
 #[test]
 fn a_master_that_ends_within_an_element_presses_without_tension_and_without_oscillation() {
     for backend in ["iga", "fe"] {
