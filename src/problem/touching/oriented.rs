@@ -7,10 +7,12 @@ use std::sync::Arc;
 /// Tolerance of the covered share of a side's facets: a side is fully covered from 1 - `ALL` on.
 const ALL: f64 = 1e-9;
 
-/// Chooses slaves and masters from `shares`, the share of facets of one side that another covers.
+/// Chooses slaves and masters from `shares`, the share of facets of one side that another covers; `ends_beyond`: whether a corner of a
+/// facet of a side lies on no other.
 pub(super) fn oriented<const S: usize, const N: usize>(
     all: &[Arc<BodySide<S, N>>],
     shares: &BTreeMap<(usize, usize), f64>,
+    ends_beyond: &[bool],
 ) -> Vec<(usize, Vec<usize>)> {
     let mut neighbours: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for &(a, b) in shares.keys() {
@@ -43,7 +45,7 @@ pub(super) fn oriented<const S: usize, const N: usize>(
         let covered = |a: usize| -> f64 { neighbours[&a].iter().filter_map(|&b| shares.get(&(a, b))).sum() };
         let of = |c: usize| members.iter().copied().filter(|m| class[m] == c).collect::<Vec<_>>();
         let classes = [of(0), of(1)];
-        let whole = classes.each_ref().map(|list| list.iter().all(|&a| covered(a) >= 1.0 - ALL));
+        let whole = classes.each_ref().map(|list| list.iter().all(|&a| covered(a) >= 1.0 - ALL && !ends_beyond[a]));
         let facets = classes.each_ref().map(|list| list.iter().map(|&a| all[a].trace.facets.len()).sum::<usize>());
         let slave = if whole[0] != whole[1] { usize::from(whole[1]) } else { usize::from(facets[1] > facets[0]) };
         for &a in &classes[slave] {

@@ -62,7 +62,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
         };
         let sags: Vec<Sag<S, N>> = all.iter().map(|s| sag(self.patches, s)).collect();
         let floor = floor(&all);
-        let Touching { mut shares, touched, near } = touching_sides(&all, tolerance, &sags, floor, &left_out);
+        let Touching { mut shares, touched, ends_beyond, near } = touching_sides(&all, tolerance, &sags, floor, &left_out);
         for (sides, clearance) in near {
             // facets as coarse as this explain nothing
             let sides = sides.map(|k| all[k].clone());
@@ -82,7 +82,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
             let masters = masters.into_iter().map(|m| all[m].clone()).collect();
             PairedSides { slave: all[slave].clone(), masters, tolerance, is_named: false, explained }
         };
-        let couples: Vec<_> = oriented(&all, &shares).into_iter().map(couple).collect();
+        let couples: Vec<_> = oriented(&all, &shares, &ends_beyond).into_iter().map(couple).collect();
         couples.iter().for_each(|couple| self.joined.join(couple));
         Ok(couples)
     }

@@ -145,7 +145,7 @@ impl Reader {
                     };
                     for side in self.side(item, text, what, patches) {
                         if out.contains(&side) {
-                            self.fault("E016", side.at, format!("`{}` is named twice in `{what}`", show(&side, patches)), "");
+                            self.fault("E016", side.at, format!("`{}` is named twice in `{what}`", show(&side, patches)), "name it once");
                         } else {
                             out.push(side);
                         }

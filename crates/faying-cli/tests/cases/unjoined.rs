@@ -185,6 +185,24 @@ fn touching_near_and_overlapping_sides_that_nothing_joins_are_told() {
     }
 }
 
+/// A T-junction of coarse boxes: the stretch between the joints has the middle of no element, and both its sides have partners.
+#[test]
+fn a_stretch_without_the_middle_of_an_element_is_told() {
+    let wall = POISSON.to_owned()
+        + &block("a", [0.0, 0.0], [0.66, 1.0])
+        + &block("b", [0.66, 0.0], [1.0, 1.0])
+        + &block("c", [0.0, 1.0], [0.43, 2.0])
+        + &block("d", [0.43, 1.0], [1.0, 2.0])
+        + &on("\"a.left\"", "dirichlet = \"0\"");
+    let wall = wall.replace("elements = [4, 4]", "elements = [1, 1]");
+    let tie = |name: &str, slave: &str, master: &str| format!("[[interface]]\nname = \"{name}\"\nslave = \"{slave}\"\nmaster = {master}\n");
+    let tied = wall + &tie("i", "b.left", "\"a.right\"") + &tie("j", "d.left", "\"c.right\"") + &tie("k", "c.bottom", "\"a.top\"");
+    let result = run(&(tied.clone() + &tie("l", "b.top", "\"d.bottom\"")));
+    names(&result, "a.top", "d.bottom", "touch", "[[interface]]");
+    assert_eq!(e023(&result).len(), 1, "{:?}", result.warnings);
+    assert!(e023(&run(&(tied + &tie("l", "d.bottom", "[\"a.top\", \"b.top\"]")))).is_empty());
+}
+
 /// A square in four: three ties leave a slit, a fourth closes it.
 #[test]
 fn a_seam_that_is_left_out_of_many_is_told() {

@@ -434,3 +434,42 @@ fn a_gap_by_formula_may_overlap_by_up_to_half_the_thickness_of_a_body() {
         assert!(fault.message.contains("deep") && fault.message.contains("`gap`") && fault.line == Some(20), "{gap}: {found}");
     }
 }
+
+/// Walls of three rows of three boxes with any joints and numbers of elements: sides that overlap without the middle of an element are tied,
+/// too, so that linear fields are exact.
+#[test]
+fn walls_with_any_joints_are_tied_everywhere() {
+    let folder = TempDir::new().unwrap();
+    let mut state = 7_u64;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / f64::from(1_u32 << 31)
+    };
+    for k in 0..24 {
+        let backend = ["iga", "fe"][k % 2];
+        let mut text = format!(
+            "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = {{ u = \"x + 2*y\" }}\n[discretization]\nbackend = \"{backend}\"\ndegree = {}\n\
+             [[material]]\nname = \"m\"\n",
+            1 + k / 2 % 2
+        );
+        let mut outer = Vec::new();
+        for row in 0..3 {
+            let (a, b) = (0.3 + 1.2 * random(), 1.5 + 1.2 * random());
+            for (i, [from, to]) in [[0.0, a], [a, b], [b, 3.0]].into_iter().enumerate() {
+                let n = 1 + (3.0 * random()) as usize;
+                text += &format!(
+                    "[[patch]]\nname = \"p{row}{i}\"\ngeometry = {{ kind = \"box\", min = [{from:?}, {row}], max = [{to:?}, {}] }}\nelements = [{n}, {}]\n",
+                    row + 1,
+                    1 + (2.0 * random()) as usize
+                );
+                let open = [(row == 0, "bottom"), (row == 2, "top"), (i == 0, "left"), (i == 2, "right")];
+                outer.extend(open.into_iter().filter(|o| o.0).map(|(_, side)| format!("\"p{row}{i}.{side}\"")));
+            }
+        }
+        text +=
+            &format!("[[interface]]\nname = \"t\"\nbetween = \"all\"\n[[boundary]]\non = [{}]\ndirichlet = \"exact\"\n", outer.join(", "));
+        let result = run(folder.path(), &text);
+        let error = result.errors["error.u.L2"];
+        assert!(error < 1e-11, "{k}: {error:e}\n{text}");
+    }
+}
