@@ -43,7 +43,8 @@ fn converted(registry: &Registry, arguments: &ConvertArguments, common: &Common)
     let shown = output.display().to_string();
     let mut diagnostics = Diagnostics::new();
     for lost in &made.lost {
-        diagnostics.push(Diagnostic::warning("E043", format!("not in `{shown}`: {lost}")));
+        diagnostics
+            .push(Diagnostic::warning("E043", format!("not in `{shown}`: {lost}")).with_help(format!("`{}` has it", input.display())));
     }
     let fields = json!({"file": input.display().to_string(), "files": [shown], "bytes": made.bytes.len(), "lost": made.lost,
         "warnings": diagnostics.to_json()});

@@ -4,6 +4,7 @@ use crate::case::{Case, Patch, Shape};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::registry::Fault;
 use crate::shapes::{plane_net, solid_net};
+use faying::basis::Cell;
 use faying::geometry::ControlNet;
 use faying::space::divided;
 use faying_files::{Format, SplineFile, SplinePatch};
@@ -43,7 +44,12 @@ fn made(case: &Case, cut: bool) -> Result<SplineFile, Diagnostics> {
             _ => plane_net(&patch.geometry.value).map(|net| (net, cut)).and_then(|made| of_net(patch, made)),
         };
         match made {
-            Ok(patch) => file.patches.push(patch),
+            Ok(cells) => {
+                file.patches.push(cells);
+                if cut && patch.discretization.cells.value == Cell::Simplex {
+                    file.notes.push(format!("the simplices of patch \"{name}\": its cells are the boxes that they are cut from"));
+                }
+            }
             Err(fault) => {
                 let text = format!("geometry of patch \"{name}\": {fault}");
                 return Err(Diagnostic::error(fault.code, text).at(&case.source, patch.geometry.at).into());

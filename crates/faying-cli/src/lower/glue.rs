@@ -38,7 +38,7 @@ pub(super) fn fault<const S: usize, const N: usize>(
     error: &GlueError,
 ) -> Diagnostic {
     let (slave, masters) = (&names[0], names[1..].iter().map(|m| format!("`{m}`")).collect::<Vec<_>>().join(", "));
-    let mortar = "use coupling = \"mortar\", which ties any two sides";
+    let mortar = "use coupling = \"mortar\", which ties any two sides (patches of one file: with glue = false in the patch)";
     match error {
         GlueError::Apart { distance, at: x, allowed } => too_far(context, (slave, &masters), (*distance, &x[..N], *allowed), at),
         GlueError::Grids { element, at: x } => {

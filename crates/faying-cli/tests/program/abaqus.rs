@@ -171,4 +171,12 @@ fn cases_are_converted_with_the_elements_that_they_ask_for() {
     let (code, found) = json(at.path(), &["convert", "case.toml", "case.msh"]);
     assert_eq!((code, &found["diagnostics"][0]["code"]), (3, &"E043".into()), "{found}");
     assert!(found["diagnostics"][0]["line"].is_number());
+    // simplices are cut from boxes, which is what a geometry has
+    assert!(faying(at.path(), &["new", "solid"]).status.success());
+    let (code, done) = json(at.path(), &["convert", "solid.toml", "solid.msh"]);
+    let lost = &done["lost"];
+    assert!(
+        code == 0 && lost.as_array().unwrap().iter().any(|l| l.as_str().unwrap().contains("simplices of patch \"tetrahedra\"")),
+        "{done}"
+    );
 }
