@@ -144,7 +144,7 @@ fn a_misspelt_key_reads_as_in_the_contract() {
 fn a_text_for_a_number_reads_as_in_the_contract() {
     let text = with("elements = [4, 2]", "elements = [4, 2]\ndegree = \"2\"");
     let d = fails(&text, "E014", "`degree` must be a whole number from 1 to 12, found the text \"2\"", "\"2\"");
-    assert_eq!(d.help.as_deref(), Some("write what the message asks for: numbers without quotes, texts and formulas in quotes"));
+    assert_eq!(d.help.as_deref(), Some("write degree = 2"));
 }
 
 #[test]
