@@ -106,7 +106,7 @@ fn half_widths_are_lengths_of_the_curve() {
             ));
             assert!((probe(&result, "a") - 0.5).abs() < 1e-9, "{backend} {radius}: {}", probe(&result, "a"));
         }
-        let result = spheres(false, (backend, 2, 48, 0.003), 0.02, &format!("symmetry = true\n{A}"));
+        let result = spheres(false, (backend, 2, 64, 0.05), 0.5, &format!("symmetry = true\n{A}"));
         let hertz = (0.75 * probe(&result, "F") * RADIUS * 0.91 / 20000.0).cbrt();
         assert!((probe(&result, "a") / hertz - 1.0).abs() < 1e-2, "{backend}: {} for {hertz}", probe(&result, "a"));
     }
