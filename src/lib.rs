@@ -44,8 +44,8 @@
 //! | [`problem`] | bodies with supports, loads, ties and contacts; their systems, states, reactions |
 //! | [`check`] | contract tests for everything above: run them on your own types |
 //!
-//! Readers and writers of files are the crate `faying-files`, the program and its case files `faying-cli`; its guide has the theory of
-//! tying and of contact, with an example of every choice.
+//! Readers and writers of files are the crate `faying-files`, the program and its case files `faying-cli`; the book, `faying-book`, has
+//! the theory of tying and of contact, with an example of every choice.
 //!
 //! # What the traits learnt from their first implementors
 //!

@@ -2,6 +2,7 @@
 
 use super::arc_length::ArcLength;
 use super::contact_field::PressureEvaluator;
+use super::lambda_error::exact_along;
 use super::side_field::{Field, SideField, SidePoint, centres, degree, normals};
 use super::solved::State;
 use super::tie_field::multiplier_at;
@@ -27,7 +28,8 @@ pub(super) fn contact_along<const S: usize, const N: usize>(
         let lambda = push(e, xi);
         facing(e, xi).iter().enumerate().map(|(k, n)| -lambda[k / N] * n).collect()
     };
-    SideField { lambda, gap, active, traction: Box::new(traction), normal: normals(&part.slave, faced()), degree, points }
+    let exact = exact_along(state, state.model().contacts[c].id.into(), p);
+    SideField { lambda, gap, active, traction: Box::new(traction), normal: normals(&part.slave, faced()), exact, degree, points }
 }
 
 /// lambda, gap, status and lambda again, and the rows of the table.

@@ -4,6 +4,7 @@ use super::data::Data;
 use super::handles::InterfaceId;
 use super::model::{BodySide, ContactModel, ContactPart, Opposing, TieModel, TiePart};
 use crate::basis::Basis;
+use crate::contact::Obstacle;
 use crate::coupling::Segments;
 use crate::linalg::NO_SYMMETRY;
 use std::ops::Range;
@@ -54,6 +55,15 @@ impl<'a, const S: usize, const N: usize> InterfaceView<'a, S, N> {
     /// Whether it faces a rigid obstacle.
     pub fn has_obstacle(&self) -> bool {
         matches!(self.0, Of::Contact(contact) if contact.obstacle.is_some())
+    }
+
+    /// The rigid obstacle that it faces where it is at time `t`; its places where forces press it are those of `unknowns`, zero without any.
+    /// `None` between bodies.
+    pub fn obstacle(&self, t: f64, unknowns: Option<&[f64]>) -> Option<Box<dyn Obstacle<S, N>>> {
+        match self.0 {
+            Of::Contact(contact) => contact.obstacle.as_ref().map(|obstacle| obstacle.target(t, unknowns)),
+            Of::Tie(_) => None,
+        }
     }
 
     /// Its slave sides; of a contact those that face something.

@@ -1,8 +1,12 @@
-//! Errors of lambda against the exact solution.
+//! The exact lambda of ties and contacts, and errors against it.
 
 use super::data::Point;
+use super::handles::InterfaceId;
 use super::model::{BodySide, ContactModel, Model, TieModel};
+use super::own_piece::Depths;
 use super::own_side::OwnSide;
+use super::side_field::Field;
+use super::solved::State;
 use super::state::StepState;
 use super::tie_field::TractionEvaluator;
 use crate::basis::Order;
@@ -10,6 +14,7 @@ use crate::contact::ContactRows;
 use crate::coupling::Segments;
 use crate::geometry::MapTable;
 use crate::linalg::Vector;
+use std::sync::Arc;
 
 /// Squares of the L2 norms of an error and of the exact field.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,23 +41,68 @@ fn each_piece<const S: usize, const N: usize>(
     }
 }
 
-/// The exact traction on the slave's side at a point of it with the outward `normal`, from the side's own piece of the solution; NaN
-/// where it is open which one that is.
+/// The exact traction on the slave's side at a point of an element with the outward `normal`, from the side's own piece of the solution;
+/// NaN where it is open which one that is.
 fn exact_traction<const S: usize, const N: usize>(
     model: &Model<S, N>,
-    own: &OwnSide<'_, S, N>,
     slave: &BodySide<S, N>,
     t: f64,
-    element: usize,
+    (element, depths): (usize, Depths),
     [x, normal]: [&Vector<N>; 2],
 ) -> [f64; 3] {
     let patch = &model.patches[slave.patch_of(element)];
     let (Some(exact), physics) = (patch.exact.as_deref(), patch.physics_at(t)) else { return [0.0; 3] };
-    let found = physics.own_traction(exact, t, x, [normal, &-normal], own.depths(element, 0.0));
+    let found = physics.own_traction(exact, t, x, [normal, &-normal], depths);
     found.unwrap_or([f64::NAN; 3])
 }
 
+/// The exact lambda along a slave side, by its number, of a tie or a contact; `None` where none is known.
+pub(super) fn exact_along<const S: usize, const N: usize>(state: &Arc<dyn State<S, N>>, of: InterfaceId, side: usize) -> Option<Field<S>> {
+    let (model, t) = (state.model(), state.state().t);
+    let (slave, is_own) = match of {
+        InterfaceId::Tie(tie) => (&model.ties[tie.number].parts[side].slave, model.ties[tie.number].exact.is_some()),
+        InterfaceId::Contact(contact) => {
+            (&model.contacts[contact.number].parts[side].slave, model.contacts[contact.number].exact.is_some())
+        }
+    };
+    if !is_own && !model.has_exact() {
+        return None;
+    }
+    let own = OwnSide::new(model, slave);
+    let depths: Vec<Depths> = (0..slave.trace.facets.len()).map(|e| own.depths(e, 0.0)).collect();
+    let (state, slave) = (Arc::clone(state), Arc::clone(slave));
+    Some(Box::new(move |element, xi| {
+        let (model, mut map) = (state.model(), MapTable::new());
+        slave.trace.space.map(element, xi, Order::Gradients, &mut map);
+        let at = |(x, jacobian)| {
+            let (place, at) = ((element, depths[element]), [x, &slave.trace.normal(element, jacobian)]);
+            match of {
+                InterfaceId::Tie(tie) => model.ties[tie.number].exact_at(model, &slave, t, place, at),
+                InterfaceId::Contact(contact) => vec![model.contacts[contact.number].exact_at(model, &slave, t, place, at)],
+            }
+        };
+        map.x.iter().zip(&map.jacobian).flat_map(at).collect()
+    }))
+}
+
 impl<const S: usize, const N: usize> TieModel<S, N> {
+    /// lambda at a point of a slave element with the outward normal there: the tie's exact data, or else minus the traction of the exact
+    /// solution of the model.
+    fn exact_at(
+        &self,
+        model: &Model<S, N>,
+        slave: &BodySide<S, N>,
+        t: f64,
+        place: (usize, Depths),
+        [x, normal]: [&Vector<N>; 2],
+    ) -> Vec<f64> {
+        if let Some(list) = &self.exact {
+            let at = Point::new(x.as_slice()).at_time(t);
+            return list.iter().take(model.components).map(|f| f.value(&at)).collect();
+        }
+        exact_traction(model, slave, t, place, [x, normal]).into_iter().take(model.components).map(|traction| -traction).collect()
+    }
+
     /// The error of lambda against its exact data, or else against the exact solution of the model; NaN if it is open which piece of that a
     /// slave side has.
     pub fn lambda_error(&self, model: &Model<S, N>, state: &StepState<S, N>) -> SquaredError {
@@ -64,15 +114,9 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
                 let found = lambda.on_segments(model, part, state, pairing);
                 each_piece(&part.slave, s, |piece, x, normals| {
                     let points = s.points(piece);
-                    let mut wanted = vec![0.0; model.components];
                     for (k, q) in points.enumerate() {
-                        if let Some(list) = &self.exact {
-                            let at = Point::new(x[k].as_slice()).at_time(state.t);
-                            wanted.iter_mut().zip(list).for_each(|(w, f)| *w = f.value(&at));
-                        } else {
-                            let traction = exact_traction(model, &own, &part.slave, state.t, s.slave[piece], [&x[k], &normals[k]]);
-                            wanted.iter_mut().zip(traction).for_each(|(w, traction)| *w = -traction);
-                        }
+                        let place = (s.slave[piece], own.depths(s.slave[piece], 0.0));
+                        let wanted = self.exact_at(model, &part.slave, state.t, place, [&x[k], &normals[k]]);
                         for (c, w) in wanted.iter().enumerate() {
                             sum.error += s.ds[q] * (found[c][q] - w).powi(2);
                             sum.exact += s.ds[q] * w.powi(2);
@@ -86,6 +130,15 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
 }
 
 impl<const S: usize, const N: usize> ContactModel<S, N> {
+    /// lambda at a point of a slave element with the outward normal there: the contact's exact data, or else the normal part of the traction
+    /// of the exact solution of the model.
+    fn exact_at(&self, model: &Model<S, N>, slave: &BodySide<S, N>, t: f64, place: (usize, Depths), [x, normal]: [&Vector<N>; 2]) -> f64 {
+        match &self.exact {
+            Some(f) => f.value(&Point::new(x.as_slice()).at_time(t)),
+            None => exact_traction(model, slave, t, place, [x, normal]).iter().zip(normal.iter()).map(|(t, n)| t * n).sum(),
+        }
+    }
+
     /// The error of the pressure against its exact data, or else against the exact solution of the model, `built` at the time of the state;
     /// NaN if it is open which piece of that a slave side has.
     pub fn lambda_error(&self, model: &Model<S, N>, built: &[ContactRows<S, N>], state: &StepState<S, N>) -> SquaredError {
@@ -97,12 +150,8 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             each_piece(&part.slave, s, |piece, x, normals| {
                 let points = s.points(piece);
                 for (k, q) in points.enumerate() {
-                    let wanted = if let Some(f) = &self.exact {
-                        f.value(&Point::new(x[k].as_slice()).at_time(state.t))
-                    } else {
-                        let traction = exact_traction(model, &own, &part.slave, state.t, s.slave[piece], [&x[k], &normals[k]]);
-                        traction.iter().zip(normals[k].iter()).map(|(t, n)| t * n).sum()
-                    };
+                    let place = (s.slave[piece], own.depths(s.slave[piece], 0.0));
+                    let wanted = self.exact_at(model, &part.slave, state.t, place, [&x[k], &normals[k]]);
                     sum.error += s.ds[q] * (-pressure[q] - wanted).powi(2);
                     sum.exact += s.ds[q] * wanted.powi(2);
                 }

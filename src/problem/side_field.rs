@@ -25,6 +25,7 @@ pub struct SideField<const S: usize = 1, const N: usize = 2> {
     pub(super) active: Field<S>,
     pub(super) traction: Field<S>,
     pub(super) normal: Field<S>,
+    pub(super) exact: Option<Field<S>>,
     pub(super) degree: usize,
     pub(super) points: Vec<SidePoint<N>>,
 }
@@ -70,6 +71,12 @@ impl<const S: usize, const N: usize> SideField<S, N> {
     /// Unit normal of the master or obstacle, point by point; minus that of the slave where nothing is faced.
     pub fn normal(&self, element: usize, xi: &[Vector<S>]) -> Vec<f64> {
         (self.normal)(element, xi)
+    }
+
+    /// Exact lambda at local points of an element, in the order of [`lambda`](Self::lambda): the own one of the tie or the contact, else that
+    /// of the problem's exact solution; `None` without any. NaN where it is open which piece of it the side has.
+    pub fn exact(&self, element: usize, xi: &[Vector<S>]) -> Option<Vec<f64>> {
+        self.exact.as_ref().map(|exact| exact(element, xi))
     }
 
     /// Highest degree of the multiplier, of the side where it has none.

@@ -2,6 +2,7 @@
 
 use super::arc_length::ArcLength;
 use super::integrate::on_trace;
+use super::lambda_error::exact_along;
 use super::model::{BodySide, TiePart};
 use super::side_field::{Field, SideField, SidePoint, centres, degree};
 use super::solved::State;
@@ -35,6 +36,7 @@ pub(super) fn tie_along<const S: usize, const N: usize>(
         active: Box::new(|_, xi| vec![1.0; xi.len()]),
         traction: lambda(-1.0),
         normal: normals(state, [t, p]),
+        exact: exact_along(state, state.model().ties[t].id.into(), p),
         degree: part.multipliers.iter().map(|m| degree(&**m)).max().unwrap_or_else(|| degree(&*part.slave.trace.space)),
         points: if part.multipliers.is_empty() { without_rows(state, [t, p], arc) } else { by_functions(state, [t, p], arc) },
     }

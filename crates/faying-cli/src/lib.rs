@@ -12,7 +12,6 @@
 //! | [`mod@reference`] | stored runs, against which others are compared |
 //! | [`plot`], [`table`], [`output`], [`result`] | pictures, tables and `result.json` |
 //! | [`convert`], [`inspect`] | geometry and mesh files |
-//! | [`guide`] | the theory of tying and of contact, with an example of every choice |
 //!
 //! To add names of your own, put them into a [`Registry`] and pass it to [`main`].
 
@@ -23,7 +22,6 @@ mod commands;
 pub mod convert;
 pub mod errors;
 pub mod formula;
-pub mod guide;
 pub mod infsup;
 pub mod inspect;
 mod json;
@@ -51,7 +49,8 @@ pub use errors::{Diagnostic, Diagnostics, Severity};
 pub use formula::Formula;
 pub use indexmap::IndexMap;
 pub use output::{
-    DisplacementFactor, FieldRange, Finished, Mark, MarkKind, Output, Parts, Picture, RunOptions, SideOutput, SidePart, StepOutput,
+    ClosestInPlane, DisplacementFactor, ExactAlong, FieldRange, Finished, Mark, MarkKind, Output, Parts, Picture, RigidFace, RigidPicture,
+    RigidShape, RunOptions, SideOutput, SidePart, StepOutput,
 };
 pub use place::{Located, SourceSpan};
 pub use registry::{Family, Fault, MakeSolver, Names, Registry, SolverOptions, UnknownName};

@@ -5,6 +5,7 @@ use crate::case::Units;
 use crate::plot::{self, FieldPlot, PlotError};
 use crate::reference::StoredRun;
 use crate::table::InterfaceRow;
+use faying::contact::Hit;
 use faying::linalg::Vector;
 use faying_files::vtu::{self, CellStyle, Part, VtuError};
 
@@ -65,6 +66,8 @@ pub struct Output {
     pub deformed: DisplacementFactor,
     /// Supports and loads in that picture.
     pub marks: Vec<Mark>,
+    /// Rigid obstacles in that picture.
+    pub obstacles: Vec<RigidPicture>,
     /// Extremes of that field over the closed elements; `None`: those of the picture's own points.
     pub range: Option<FieldRange>,
     /// Interfaces and contacts, in the order of the case.
@@ -151,6 +154,41 @@ pub enum MarkKind {
     Load,
 }
 
+/// A rigid obstacle in a picture, where it is at the time of the output.
+#[derive(Debug)]
+pub struct RigidPicture {
+    /// Name of its contact.
+    pub name: String,
+    /// What is drawn.
+    pub shape: RigidShape,
+}
+
+/// Closest point of an obstacle in the plane to a point, of all its faces; `None` where none is found.
+pub type ClosestInPlane = Box<dyn Fn(&Vector<2>) -> Option<Hit<1, 2>> + Send + Sync>;
+
+/// What is drawn of a rigid obstacle.
+pub enum RigidShape {
+    /// The line in the plane on which the gap is zero.
+    Outline(ClosestInPlane),
+    /// In space its surface where slave sides face it, found when it is asked for.
+    Faces(Box<dyn Fn() -> Vec<RigidFace> + Send + Sync>),
+}
+
+impl std::fmt::Debug for RigidShape {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(if matches!(self, Self::Outline(_)) { "Outline" } else { "Faces" })
+    }
+}
+
+/// A piece of the surface of a rigid obstacle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RigidFace {
+    /// Its corners in order \[length\].
+    pub corners: [Vector<3>; 4],
+    /// The normal out of the obstacle, of length 1.
+    pub normal: Vector<3>,
+}
+
 /// The factor of displacements in a picture, found when it is asked for.
 pub struct DisplacementFactor(pub Box<dyn Fn() -> f64 + Send + Sync>);
 
@@ -187,8 +225,8 @@ pub struct Picture {
     pub label: String,
 }
 
-/// An exact multiplier at a point of the slave side.
-pub type ExactCurve = Box<dyn Fn(&Vector<2>) -> f64 + Send + Sync>;
+/// An exact multiplier at local points of an element of a slave side, components point by point.
+pub type ExactAlong = Box<dyn Fn(usize, &[Vector<1>]) -> Vec<f64> + Send + Sync>;
 
 /// A slave side with its fields.
 #[derive(Debug)]
@@ -215,8 +253,12 @@ impl SidePart {
 
 /// An interface or a contact as its files show it.
 pub struct SideOutput {
-    /// Name in the case.
+    /// Name in its files: that of the interface or contact, with the number of the side where there are several.
     pub name: String,
+    /// Name of the interface or contact, whose sides one picture shows.
+    pub of: String,
+    /// The side: PATCH.SIDE.
+    pub label: String,
     /// Whether it is a contact: its picture shows the pressure -lambda, else lambda itself.
     pub contact: bool,
     /// The slave side, [`Lagrange`](faying_files::vtu::CellStyle::Lagrange) or straight, `least_degree` that of the multiplier, with the
@@ -225,8 +267,8 @@ pub struct SideOutput {
     pub part: SidePart,
     /// One per multiplier function: the table `interface_NAME.csv`.
     pub rows: Vec<InterfaceRow>,
-    /// The case's `exact` multiplier, for the picture of a curve.
-    pub exact: Option<ExactCurve>,
+    /// The exact multiplier of a curve for its picture, of the interface or contact itself, or from the exact solution of the model.
+    pub exact: Option<ExactAlong>,
 }
 
 impl std::fmt::Debug for SideOutput {

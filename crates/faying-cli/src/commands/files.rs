@@ -1,7 +1,8 @@
 //! The files of a run: their names and contents.
 
 use crate::errors::{Diagnostic, Diagnostics};
-use crate::plot::{self, FieldPlot, IterationPlot, SidePlot};
+use crate::plot::{self, FieldPlot, IterationPlot, IterationStep, SidePlot, SlaveCurve, SurfaceQuantity};
+use crate::result::{ActiveSetSummary, StepReport};
 use crate::table;
 use crate::{Output, RunResult, SideOutput, SidePart};
 
@@ -54,59 +55,87 @@ pub fn of(output: &Output, with_vtu: bool, with_pictures: bool, trouble: &mut Di
             length,
             moved: (output.deformed.0)(),
             marks: &output.marks,
+            obstacles: &output.obstacles,
         };
         add("fields.svg".to_owned(), output.parts.svg(&plot).map(String::into_bytes).map_err(|e| e.to_string()));
     }
-    for side in &output.sides {
-        let name = |end: &str| format!("interface_{}.{end}", side.name);
-        if with_vtu {
-            add(name("vtu"), side.part.vtu().map_err(|e| e.to_string()));
+    for sides in output.sides.chunk_by(|a, b| a.of == b.of) {
+        for side in sides {
+            let name = |end: &str| format!("interface_{}.{end}", side.name);
+            if with_vtu {
+                add(name("vtu"), side.part.vtu().map_err(|e| e.to_string()));
+            }
+            add(name("csv"), Ok(table::interface_csv(&side.rows).into_bytes()));
         }
-        add(name("csv"), Ok(table::interface_csv(&side.rows).into_bytes()));
         if with_pictures {
-            add(name("svg"), picture(output, side).map(String::into_bytes).map_err(|e| e.to_string()));
+            let made = picture(output, sides).map(String::into_bytes).map_err(|e| e.to_string());
+            add(format!("interface_{}.svg", sides[0].of), made);
         }
     }
     files
 }
 
-fn picture(output: &Output, side: &SideOutput) -> Result<String, plot::PlotError> {
-    let title = match (output.title.is_empty(), side.contact) {
-        (true, _) => side.name.clone(),
-        (false, true) => format!("{}: pressure on {}", output.title, side.name),
-        (false, false) => format!("{}: multiplier on {}", output.title, side.name),
+/// The picture of all slave sides of an interface or a contact.
+fn picture(output: &Output, sides: &[SideOutput]) -> Result<String, plot::PlotError> {
+    let (name, contact) = (&sides[0].of, sides[0].contact);
+    let title = match (output.title.is_empty(), contact) {
+        (true, _) => name.clone(),
+        (false, true) => format!("{}: pressure on {name}", output.title),
+        (false, false) => format!("{}: multiplier on {name}", output.title),
     };
     let length = output.units.length.as_str();
     // lambda of conduction is a flux, whose unit is not known
     let stress = if output.picture.as_ref().is_some_and(|p| p.field == "u") { String::new() } else { output.units.stress() };
-    match &side.part {
-        SidePart::Curve(part) => {
-            let exact = side.exact.as_ref().map(|f| &**f as plot::ExactCurve<'_>);
-            let units = [length, stress.as_str()];
-            plot::side(&SidePlot { title: &title, contact: side.contact, rows: &side.rows, exact, units }, part)
-        }
-        SidePart::Surface(part) => {
-            let components = part.fields.iter().find(|f| f.name == "lambda").map_or(1, |f| f.components);
-            let (label, shown): (_, plot::Shown) = match (side.contact, components) {
-                (true, _) => ("pressure", |lambda| -lambda[0]),
-                (false, 1) => ("lambda", |lambda| lambda[0]),
-                (false, _) => ("|lambda|", |lambda| lambda.iter().map(|l| l * l).sum::<f64>().sqrt()),
-            };
-            let label = label.to_owned() + &plot::in_unit(&stress);
-            plot::surface(
-                &FieldPlot { title: &title, label: &label, field: "lambda", component: 0, range: None, length, moved: 0.0, marks: &[] },
-                shown,
-                part,
-            )
+    let curves: Vec<SlaveCurve<'_>> = sides
+        .iter()
+        .filter_map(|side| {
+            let SidePart::Curve(part) = &side.part else { return None };
+            let exact = side.exact.as_ref().map(|f| &**f as plot::ExactLambda<'_>);
+            Some(SlaveCurve { label: &side.label, part, rows: &side.rows, exact })
+        })
+        .collect();
+    if !curves.is_empty() {
+        return plot::side(&SidePlot { title: &title, contact, sides: &curves, units: [length, stress.as_str()] });
+    }
+    let mut parts = Vec::new();
+    for side in sides {
+        if let SidePart::Surface(part) = &side.part {
+            parts.push(part);
         }
     }
+    let components = parts.first().and_then(|part| part.fields.iter().find(|f| f.name == "lambda")).map_or(1, |f| f.components);
+    let pictures: Result<Vec<String>, _> = SurfaceQuantity::all(contact, components)
+        .iter()
+        .map(|shown| {
+            let (gap, word) = (*shown == SurfaceQuantity::Gap, shown.label());
+            let label = word.to_owned() + &plot::in_unit(if gap { length } else { &stress });
+            let title = if gap { format!("{}: gap on {name}", output.title) } else { title.clone() };
+            let plot = FieldPlot { title: &title, label: &label, length, ..FieldPlot::default() };
+            plot::surface(&plot, *shown, &parts)
+        })
+        .collect();
+    Ok(plot::stacked(&pictures?))
 }
 
 /// `active_set.svg`; `None` without an iteration of the active set.
 pub fn active_set(title: &str, result: &RunResult, trouble: &mut Diagnostics) -> Option<OutputFile> {
-    let set = result.solve.as_ref()?.active_set.as_ref().filter(|set| !set.history.is_empty())?;
+    let of_step = |step: &StepReport| Some((Some(step.t), step.active_set.clone()?));
+    let mut sets: Vec<_> = result.steps.iter().filter_map(of_step).collect();
+    if result.steps.is_empty() {
+        sets.extend(result.solve.as_ref().and_then(|solve| Some((None, solve.active_set.clone()?))));
+    }
+    let step = |(t, set): &(Option<f64>, ActiveSetSummary)| IterationStep {
+        t: *t,
+        active: set.history.clone(),
+        wrong: set.wrong.clone(),
+        best: set.best,
+    };
+    let steps: Vec<IterationStep> = sets.iter().filter(|(_, set)| !set.history.is_empty()).map(step).collect();
+    if steps.is_empty() {
+        return None;
+    }
     let title = if title.is_empty() { "active set".to_owned() } else { format!("{title}: active set") };
-    match plot::iteration(&IterationPlot { title: &title, active: &set.history, wrong: &set.wrong, best: set.best }) {
+    match plot::iteration(&IterationPlot { title: &title, steps: &steps }) {
         Ok(svg) => Some(OutputFile { name: "active_set.svg".to_owned(), bytes: svg.into_bytes() }),
         Err(why) => {
             trouble.push(Diagnostic::warning("E091", format!("`active_set.svg` was not written: {why}")));

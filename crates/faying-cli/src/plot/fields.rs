@@ -3,10 +3,11 @@
 use super::compact::compact;
 use super::frame::{axes, bar, outline};
 use super::marks::{draw as draw_marks, words as words_of_marks};
+use super::obstacles::{draw as draw_obstacles, reached};
 use super::sample::{Drawn, boxes, division, divisions, sampled};
 use super::simplify::{PIECES, ShadedPolygon, chained, few_lines, joined, straightened};
 use super::{GREY, INK, PlotError, Root, document, heading, stroke, taller, text, units};
-use crate::output::Mark;
+use crate::output::{Mark, RigidPicture};
 use crate::table::short;
 use faying::geometry::Bounds;
 use faying::linalg::Vector;
@@ -16,7 +17,7 @@ use plotters::style::text_anchor::{HPos, VPos};
 use std::collections::BTreeMap;
 
 /// Content of the picture.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct FieldPlot<'a> {
     /// Heading.
     pub title: &'a str,
@@ -34,6 +35,8 @@ pub struct FieldPlot<'a> {
     pub moved: f64,
     /// Supports and loads.
     pub marks: &'a [Mark],
+    /// Rigid obstacles.
+    pub obstacles: &'a [RigidPicture],
 }
 
 /// A peak that is smaller than this share of the bodies is shown in detail.
@@ -56,6 +59,7 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
         all.iter().flatten().flat_map(|d| d.edges.iter().flat_map(|(line, _)| line)).map(|p| Vector::<2>::from(*p)).collect();
     let finite: Vec<Vector<2>> = points.into_iter().filter(|p| p.iter().all(|x| x.is_finite())).collect();
     let bounds = Bounds::around(&finite).filter(|b| b.diagonal() > 0.0).ok_or_else(|| PlotError::Empty(plot.title.to_owned()))?;
+    let shown = reached(plot.obstacles, &finite, bounds);
     let scale = Scale::of(&all, plot.range);
     let detail = match peak(&all, &scale, &bounds) {
         None => None,
@@ -67,7 +71,7 @@ pub fn fields(plot: &FieldPlot<'_>, parts: &[Part<'_, 2, 2>]) -> Result<String, 
         }
     };
     let detail = detail.map(|(window, close)| (window, fewer(close)));
-    draw(plot, &fewer(all), &bounds, &scale, detail.as_ref())
+    draw(plot, &fewer(all), &shown, &scale, detail.as_ref())
 }
 
 /// The bodies with fewer pieces, merged after the scale is made of all values.
@@ -148,17 +152,17 @@ fn peak(drawn: &[Vec<Drawn>], scale: &Scale, bounds: &Bounds<2>) -> Option<Bound
 }
 
 /// A window of the plane and the frame it fills: left, top, width, height in pixels.
-struct View {
-    window: Bounds<2>,
-    frame: [f64; 4],
+pub(super) struct View {
+    pub window: Bounds<2>,
+    pub frame: [f64; 4],
 }
 
 impl View {
-    fn per_length(&self) -> f64 {
+    pub fn per_length(&self) -> f64 {
         self.frame[2] / (self.window.hi[0] - self.window.lo[0])
     }
 
-    fn pixel(&self, p: &[f64; 2]) -> (i32, i32) {
+    pub fn pixel(&self, p: &[f64; 2]) -> (i32, i32) {
         let k = self.per_length();
         (units(self.frame[0] + k * (p[0] - self.window.lo[0])), units(self.frame[1] + k * (self.window.hi[1] - p[1])))
     }
@@ -171,7 +175,7 @@ fn draw(
     scale: &Scale,
     detail: Option<&(Bounds<2>, Vec<Drawn>)>,
 ) -> Result<String, PlotError> {
-    let room = if plot.marks.is_empty() { 0.03 } else { 0.06 };
+    let room = if plot.marks.is_empty() && plot.obstacles.is_empty() { 0.03 } else { 0.06 };
     let padded = bounds.inflated(room * (bounds.hi - bounds.lo).amax());
     let extent = padded.hi - padded.lo;
     let per_length = (720.0 / extent[0]).min(560.0 / extent[1]);
@@ -189,6 +193,7 @@ fn draw(
         let words = scale.words(plot.label) + &words_of_marks(plot);
         root.draw(&Text::new(words, (units(left), units(42.0 + more)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
         paint(root, &view, all, scale)?;
+        draw_obstacles(root, plot.obstacles, &view, true)?;
         draw_marks(root, plot, &|_| true, &|x| view.pixel(&[x[0], x[1]]))?;
         let ranges = |v: &View| [0, 1].map(|k| [v.window.lo[k], v.window.hi[k]]);
         axes(root, ranges(&view), plot.length, view.frame)?;
@@ -197,8 +202,11 @@ fn draw(
         let detail = View { window: *window, frame: [left + w + right + left, top, DETAIL, DETAIL] };
         outline(root, [window.lo, window.hi].map(|p| view.pixel(&p.into())), stroke(INK, 1.0))?;
         let words = format!("detail, {} times as large", short(detail.per_length() / per_length, 2));
-        root.draw(&Text::new(words, (units(detail.frame[0]), units(42.0 + more)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
+        // beside the line on the field, which may be longer than the bodies are wide
+        let at = (units(detail.frame[0] + DETAIL), units(top - 18.0));
+        root.draw(&Text::new(words, at, text(12.0, GREY, HPos::Right, VPos::Top)))?;
         paint(root, &detail, close, scale)?;
+        draw_obstacles(root, plot.obstacles, &detail, false)?;
         axes(root, ranges(&detail), plot.length, detail.frame)?;
         outline(root, [window.lo, window.hi].map(|p| detail.pixel(&p.into())), stroke(INK, 1.0))
     });

@@ -1,7 +1,7 @@
 //! Supports and loads in a picture: triangles that hold, arrows that push.
 
 use super::{FieldPlot, INK, PlotError, RED_LINE, Root, stroke, units};
-use crate::output::{Mark, MarkKind};
+use crate::output::{Mark, MarkKind, RigidShape};
 use crate::table::short;
 use plotters::prelude::*;
 
@@ -21,6 +21,9 @@ pub(super) fn words(plot: &FieldPlot<'_>) -> String {
     let list: Vec<&str> = kinds.into_iter().filter(|(kind, _)| any(*kind)).map(|(_, word)| word).collect();
     if !list.is_empty() {
         text += &format!("; {}", list.join(", "));
+    }
+    if plot.obstacles.iter().any(|obstacle| matches!(obstacle.shape, RigidShape::Outline(_))) {
+        text += "; hatched: rigid";
     }
     text
 }

@@ -8,6 +8,7 @@ mod fields;
 mod frame;
 mod iteration;
 mod marks;
+mod obstacles;
 mod sample;
 mod side;
 mod simplify;
@@ -20,11 +21,11 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 pub use fields::{FieldPlot, fields};
-pub use iteration::{IterationPlot, iteration};
-pub use side::{ExactCurve, SidePlot, side};
+pub use iteration::{IterationPlot, IterationStep, iteration};
+pub use side::{ExactLambda, SidePlot, SlaveCurve, side};
 pub use solids::solids;
 pub use study::{Axis, MOST_LINES, StudyGroup, StudyLine, StudyPanel, StudyPlot, study};
-pub use surface::{Shown, surface};
+pub use surface::{SurfaceQuantity, surface};
 
 /// Error of drawing a picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -137,6 +138,24 @@ fn document(width: f64, height: f64, draw: impl FnOnce(&Root<'_, '_>) -> Result<
     // the viewBox keeps the fine units
     let size = format!("width=\"{w}\" height=\"{h}\" viewBox");
     Ok(svg.replacen(&size, &format!("width=\"{width:.0}\" height=\"{height:.0}\" viewBox"), 1))
+}
+
+/// Pictures one below the other, as one document; each begins with its width and height.
+pub fn stacked(pictures: &[String]) -> String {
+    let size = |svg: &str, word: &str| -> f64 {
+        let value = svg.split_once(word).and_then(|(_, rest)| rest.split('"').next());
+        value.and_then(|v| v.parse().ok()).unwrap_or(0.0)
+    };
+    let width = pictures.iter().map(|svg| size(svg, " width=\"")).fold(0.0, f64::max);
+    let (mut inner, mut top) = (String::new(), 0.0);
+    for svg in pictures {
+        inner += &svg.replacen("<svg ", &format!("<svg y=\"{top}\" "), 1);
+        top += size(svg, " height=\"");
+    }
+    let area = format!("width=\"{width}\" height=\"{top}\"");
+    format!(
+        "<svg {area} viewBox=\"0 0 {width} {top}\" xmlns=\"http://www.w3.org/2000/svg\">\n<rect {area} fill=\"#FFFFFF\"/>\n{inner}</svg>\n"
+    )
 }
 
 /// Numbers as labels of at least `digits` digits, as many as it takes for all of them to differ.

@@ -8,6 +8,7 @@ use super::compact::compact;
 use super::fields::{Scale, overlapping};
 use super::frame::bar;
 use super::marks::{draw as draw_marks, words as words_of_marks};
+use super::obstacles::SeenFaces;
 use super::sample::moved;
 use super::{FieldPlot, GREY, INK, PlotError, document, heading, stroke, taller, text, units};
 use crate::output::Mark;
@@ -44,7 +45,7 @@ pub(super) struct Camera {
 
 impl Camera {
     /// From in front, from the right and from above.
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         Self::from(&Vector::from(VIEWER))
     }
 
@@ -54,6 +55,11 @@ impl Camera {
         let level = Vector::<3>::new(0.0, 0.0, 1.0).cross(&toward);
         let right = if level.norm() > 1e-3 { level.normalize() } else { Vector::<3>::new(0.0, 1.0, 0.0).cross(&toward).normalize() };
         Self { right, up: toward.cross(&right), toward }
+    }
+
+    /// Whether what has this normal looks at the viewer.
+    pub(super) fn faces(&self, normal: &Vector<3>) -> bool {
+        self.toward.dot(normal) > 0.0
     }
 
     /// Right, up, and how near.
@@ -187,7 +193,7 @@ fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face
         .map(|jacobian| {
             let normal = (jacobian * tangents.0).cross(&(jacobian * tangents.1));
             let outward = normal * normal.dot(&(jacobian * (own - inner))).signum();
-            outward.dot(&camera.toward) > 0.0
+            camera.faces(&outward)
         })
         .collect();
     let corners: Vec<Vector<3>> = cells.iter().flat_map(|(c, _)| c.iter().map(|p| place(p[0], p[1]))).collect();
@@ -241,7 +247,8 @@ pub(super) fn fineness(faces: usize) -> usize {
 pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<SolidPiece>, scale: &Scale, camera: &Camera) -> Result<String, PlotError> {
     // nearest last; equal depths keep their order
     all.sort_by(|a, b| a.depth().total_cmp(&b.depth()));
-    let corners = || all.iter().flat_map(|p| &p.corners);
+    let obstacles = SeenFaces::of(plot.obstacles, camera);
+    let corners = || all.iter().flat_map(|p| &p.corners).chain(obstacles.iter().flat_map(SeenFaces::corners));
     let range = |k: usize| corners().fold((f64::MAX, f64::MIN), |(a, b), c| (a.min(c[k]), b.max(c[k])));
     let ((x0, x1), (y0, y1), (z0, z1)) = (range(0), range(1), range(2));
     let size = (x1 - x0).max(y1 - y0).max(z1 - z0).max(f64::MIN_POSITIVE);
@@ -256,6 +263,7 @@ pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<SolidPiece>, scale: &Scale
         heading(root, plot.title, [left, 16.0], width - left - 20.0, 17.0)?;
         let words = scale.words(plot.label) + &words_of_marks(plot);
         root.draw(&Text::new(words, (units(left), units(42.0 + more)), text(12.0, GREY, HPos::Left, VPos::Top)))?;
+        obstacles.iter().try_for_each(|o| o.draw(root, camera, false, &pixel))?;
         let polygon = |p: &SolidPiece| p.corners.iter().map(pixel).map(|p| (units(p[0]), units(p[1]))).collect::<Vec<_>>();
         if all.len() <= 2 * PIECES {
             let mut strokes: Vec<(f64, Vec<(i32, i32)>)> = Vec::new();
@@ -290,7 +298,8 @@ pub(super) fn draw(plot: &FieldPlot<'_>, mut all: Vec<SolidPiece>, scale: &Scale
                 root.draw(&Rectangle::new([(at(i), at(j)), (at(i + 1), at(j + 1))], scale.color(value).filled()))?;
             }
         }
-        let seen = |mark: &Mark| camera.toward.dot(&Vector::from(mark.normal)) > 0.0;
+        obstacles.iter().try_for_each(|o| o.draw(root, camera, true, &pixel))?;
+        let seen = |mark: &Mark| camera.faces(&Vector::from(mark.normal));
         draw_marks(root, plot, &seen, &|x| {
             let [a, b] = pixel(&camera.see(&Vector::from(*x)));
             (units(a), units(b))

@@ -88,6 +88,9 @@ pub struct StepReport {
     pub probes: Vec<ProbeReport>,
     /// The contacts at its end.
     pub contact: IndexMap<String, ContactReport>,
+    /// Its active set iteration, where there is contact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub active_set: Option<ActiveSetSummary>,
 }
 
 /// The content of `result.json`.

@@ -2,8 +2,7 @@
 
 use super::Solved;
 use crate::case::{Case, Deformed};
-use crate::formula::Point;
-use crate::output::{DisplacementFactor, ExactCurve, FieldRange, Output, Parts, Picture, RunOptions, SideOutput, SidePart};
+use crate::output::{DisplacementFactor, ExactAlong, FieldRange, Output, Parts, Picture, RigidPicture, RunOptions, SideOutput, SidePart};
 use crate::plot::in_unit;
 use crate::table::InterfaceRow;
 use faying::linalg::Vector;
@@ -17,31 +16,35 @@ use std::sync::Arc;
 pub fn plane_output(case: &Case, solved: &Arc<Solved<1, 2>>, options: &RunOptions) -> Output {
     let contents = solved.solution.contents();
     let side = |of: &InterfaceView<'_, 1, 2>, number: usize| {
-        let field = solved.solution.along(of.id(), number).ok().flatten()?;
-        let exact = (of.exact().len() == 1).then(|| of.exact()[0].clone()).map(|f| -> ExactCurve {
-            let t = solved.solution.t();
-            Box::new(move |x| f.value(&Point::new(x.as_slice()).at_time(t)))
-        });
-        let (name, contact, part, rows) = side_output(solved, of, number, field, options);
-        Some(SideOutput { name, contact, part: SidePart::Curve(part), rows, exact })
+        let field = Arc::new(solved.solution.along(of.id(), number).ok().flatten()?);
+        let known = field.exact(0, &[Vector::<1>::new(0.5)]).is_some();
+        let (part, output) = side_output(solved, of, number, &field, options);
+        let exact = known.then(|| -> ExactAlong { Box::new(move |element, xi| field.exact(element, xi).unwrap_or_default()) });
+        Some(SideOutput { exact, ..output(SidePart::Curve(part)) })
     };
     let sides = contents.interfaces().flat_map(|of| (0..of.sides().len()).filter_map(|k| side(&of, k)).collect::<Vec<_>>()).collect();
-    assembled(case, solved, Parts::Plane(bodies(solved, options)), sides)
+    assembled(case, solved, Parts::Plane(bodies(solved, options)), super::obstacles::in_plane(solved), sides)
 }
 
 /// Collects the output of a case in space for its files.
 pub fn volume_output(case: &Case, solved: &Arc<Solved<2, 3>>, options: &RunOptions) -> Output {
     let contents = solved.solution.contents();
     let side = |of: &InterfaceView<'_, 2, 3>, number: usize| {
-        let field = solved.solution.along(of.id(), number).ok().flatten()?;
-        let (name, contact, part, rows) = side_output(solved, of, number, field, options);
-        Some(SideOutput { name, contact, part: SidePart::Surface(part), rows, exact: None })
+        let field = Arc::new(solved.solution.along(of.id(), number).ok().flatten()?);
+        let (part, output) = side_output(solved, of, number, &field, options);
+        Some(output(SidePart::Surface(part)))
     };
     let sides = contents.interfaces().flat_map(|of| (0..of.sides().len()).filter_map(|k| side(&of, k)).collect::<Vec<_>>()).collect();
-    assembled(case, solved, Parts::Volume(bodies(solved, options)), sides)
+    assembled(case, solved, Parts::Volume(bodies(solved, options)), super::obstacles::in_space(solved), sides)
 }
 
-fn assembled<const S: usize, const N: usize>(case: &Case, solved: &Arc<Solved<S, N>>, parts: Parts, sides: Vec<SideOutput>) -> Output {
+fn assembled<const S: usize, const N: usize>(
+    case: &Case,
+    solved: &Arc<Solved<S, N>>,
+    parts: Parts,
+    obstacles: Vec<RigidPicture>,
+    sides: Vec<SideOutput>,
+) -> Output {
     let title = if case.title.value.is_empty() { case.source.name.clone() } else { case.title.value.clone() };
     let (field, label) = match solved.solution.contents().components() {
         1 => ("u", "u".to_owned()),
@@ -55,7 +58,7 @@ fn assembled<const S: usize, const N: usize>(case: &Case, solved: &Arc<Solved<S,
     };
     let solved = Arc::clone(solved);
     let range = Some(FieldRange(Box::new(move || range(&solved))));
-    Output { title, units: case.units.clone(), parts, picture, deformed, marks, range, sides }
+    Output { title, units: case.units.clone(), parts, picture, deformed, marks, obstacles, range, sides }
 }
 
 /// Least and largest value of the field of the picture over the closed elements of all bodies.
@@ -136,18 +139,18 @@ fn side_cells(options: &RunOptions) -> CellStyle {
     }
 }
 
-/// The name of a slave side in files, whether it is one of a contact, its fields and its table.
+/// The fields of a slave side, and what makes its output of them.
 fn side_output<const S: usize, const N: usize>(
     solved: &Arc<Solved<S, N>>,
     of: &InterfaceView<'_, S, N>,
     number: usize,
-    field: SideField<S, N>,
+    field: &Arc<SideField<S, N>>,
     options: &RunOptions,
-) -> (String, bool, Part<'static, S, N>, Vec<InterfaceRow>) {
-    let (sides, contact, field) = (of.sides(), matches!(of.id(), InterfaceId::Contact(_)), Arc::new(field));
+) -> (Part<'static, S, N>, impl FnOnce(SidePart) -> SideOutput + use<S, N>) {
+    let (sides, contact) = (of.sides(), matches!(of.id(), InterfaceId::Contact(_)));
     let name = if sides.len() == 1 { of.name().to_owned() } else { format!("{}.{number}", of.name()) };
     let show = |ask: fn(&SideField<S, N>, usize, &[Vector<S>]) -> Vec<f64>| {
-        let field = Arc::clone(&field);
+        let field = Arc::clone(field);
         move |element: usize, xi: &[Vector<S>]| ask(&field, element, xi)
     };
     let components = solved.solution.contents().components();
@@ -166,5 +169,6 @@ fn side_output<const S: usize, const N: usize>(
     let place = |x: &Vector<N>| std::array::from_fn(|k| x.get(k).copied().unwrap_or(0.0));
     let row = |p: &SidePoint<N>| InterfaceRow { s: p.s, x: place(&p.x), lambda: p.lambda.clone(), gap: p.gap, active: p.active };
     let rows = field.points().iter().map(row).collect();
-    (name, contact, part, rows)
+    let (of, label) = (of.name().to_owned(), sides[number].side().label().to_owned());
+    (part, move |part| SideOutput { name, of, label, contact, part, rows, exact: None })
 }

@@ -8,6 +8,7 @@ mod iteration;
 mod marks;
 mod model_words;
 mod multipliers;
+mod obstacles;
 mod report;
 mod room;
 mod solver;
@@ -387,7 +388,8 @@ where
         let status = result.status;
         if case.has_steps() {
             let contact = solution.as_ref().map(|_| result.contact.clone()).unwrap_or_default();
-            result.steps.push(StepReport { t, status, probes: result.probes.clone(), contact });
+            let active_set = solution.as_ref().and_then(|_| result.solve.as_ref()?.active_set.clone());
+            result.steps.push(StepReport { t, status, probes: result.probes.clone(), contact, active_set });
         }
         if let Some(solution) = solution {
             if !case.has_steps() {

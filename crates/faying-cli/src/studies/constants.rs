@@ -1,5 +1,6 @@
 //! Inf-sup constants in the picture: beta against the size of the elements of the slave side.
 
+use super::picture::mark;
 use super::study::Study;
 use crate::plot::{StudyGroup, StudyLine, StudyPanel};
 use faying::coupling::inf_sup::ZERO;
@@ -25,7 +26,7 @@ pub(super) fn group(all: &Study) -> StudyGroup {
             found.push((row.result.geometry.h, if beta > ZERO { beta } else { floor }));
         }
         if !found.is_empty() {
-            lines.push(StudyLine { name: format!("{}{pairing}{verdict}", all.line(line[0])), rate: None });
+            lines.push(StudyLine { name: format!("{}{pairing}{verdict}", all.line(line[0])), mark: mark(all, line[0]), rate: None });
             points.push(found);
         }
     }

@@ -114,8 +114,26 @@ fn unknowns(row: &Row) -> f64 {
     row.unknowns() as f64
 }
 
-fn group(lines: Vec<Line>, panels: Vec<StudyPanel>) -> StudyGroup {
-    StudyGroup { lines: lines.into_iter().map(|(name, _)| StudyLine { name, rate: None }).collect(), panels }
+/// The number of a row's backend among those of the study.
+pub(super) fn mark(s: &Study, row: usize) -> usize {
+    let mut known: Vec<&str> = Vec::new();
+    for name in s.rows.iter().map(|row| row.spec.name()) {
+        if !known.contains(&name) {
+            known.push(name);
+        }
+    }
+    known.iter().position(|name| *name == s.rows[row].spec.name()).unwrap_or(0)
+}
+
+fn group(s: &Study, lines: Vec<Line>, panels: Vec<StudyPanel>) -> StudyGroup {
+    let line = |(name, rows): (String, Vec<usize>)| StudyLine { name, mark: rows.first().map_or(0, |row| mark(s, *row)), rate: None };
+    StudyGroup { lines: lines.into_iter().map(line).collect(), panels }
+}
+
+/// Whether values are positive and further apart than a linear axis shows.
+fn spans_decades(points: &[Vec<(f64, f64)>]) -> bool {
+    let (least, most) = points.iter().flatten().fold((f64::INFINITY, 0.0_f64), |(a, b), p| (a.min(p.1), b.max(p.1)));
+    least > 0.0 && most / least > WIDE
 }
 
 /// Errors against the size of the elements and the number of unknowns; without an exact solution changes from level to level.
@@ -148,7 +166,7 @@ fn over_levels(s: &Study) -> StudyGroup {
         let name = errors.first()?;
         rows.iter().rev().find_map(|k| s.rows[*k].rates.get(name)).copied()
     };
-    let named = lines.iter().map(|(name, rows)| StudyLine { name: name.clone(), rate: rate(rows) }).collect();
+    let named = lines.iter().map(|(name, rows)| StudyLine { name: name.clone(), mark: mark(s, rows[0]), rate: rate(rows) }).collect();
     StudyGroup { lines: named, panels }
 }
 
@@ -158,19 +176,17 @@ fn over_points(s: &Study) -> StudyGroup {
     let more = |row: &Row| row.spec.changes.extra_points.map_or(f64::NAN, |n| n as f64);
     let errors = errors_in_order(s);
     let level = if s.axes.levels > 1 { format!(" on level {}", s.axes.levels - 1) } else { String::new() };
-    let panel = |name: &String, value: &dyn Fn(usize) -> f64, y_log| StudyPanel {
-        x: "points beyond the default".into(),
-        x_axis: Axis::Linear,
-        y: format!("{name}{level}"),
-        y_log,
-        points: points(s, &lines, &more, value),
-        ..StudyPanel::default()
+    let panel = |name: &String, value: &dyn Fn(usize) -> f64, is_error: bool| {
+        let points = points(s, &lines, &more, value);
+        let y_log = is_error || spans_decades(&points);
+        let (x, y) = ("points beyond the default".into(), format!("{name}{level}"));
+        StudyPanel { x, x_axis: Axis::Linear, y, y_log, points, ..StudyPanel::default() }
     };
     let mut panels: Vec<StudyPanel> = errors.iter().map(|name| panel(name, &error(s, name), true)).collect();
     if errors.is_empty() {
         panels = others(s, &errors).into_iter().map(|a| panel(&a.name, &|k| a.value(&s.rows[k]), false)).collect();
     }
-    group(lines, panels)
+    group(s, lines, panels)
 }
 
 /// Errors and quantities against the values of the first key.
@@ -187,18 +203,15 @@ fn over_values(s: &Study) -> StudyGroup {
         None => (Axis::Places(vary.values.clone()), (0..vary.values.len()).map(|k| k as f64).collect()),
     };
     let x = |row: &Row| place(row).map_or(f64::NAN, |k| numbers[k]);
-    let panel = |name: &str, value: &dyn Fn(usize) -> f64, y_log| StudyPanel {
-        x: vary.key.clone(),
-        x_axis: x_axis.clone(),
-        y: name.to_owned(),
-        y_log,
-        points: points(s, &lines, &x, value),
-        ..StudyPanel::default()
+    let panel = |name: &str, value: &dyn Fn(usize) -> f64, is_error: bool| {
+        let points = points(s, &lines, &x, value);
+        let y_log = is_error || spans_decades(&points);
+        StudyPanel { x: vary.key.clone(), x_axis: x_axis.clone(), y: name.to_owned(), y_log, points, ..StudyPanel::default() }
     };
     let errors = errors_in_order(s);
     let mut panels: Vec<StudyPanel> = errors.iter().map(|name| panel(name, &error(s, name), true)).collect();
     panels.extend(others(s, &errors).into_iter().map(|a| panel(&a.name, &|k| a.value(&s.rows[k]), false)));
-    group(lines, panels)
+    group(s, lines, panels)
 }
 
 /// An error, or the largest relative difference from the first row, against unknowns.
@@ -213,7 +226,7 @@ fn over_unknowns(s: &Study) -> StudyGroup {
         Some(name) => (name.clone(), points(s, &lines, &unknowns, &error(s, name))),
         None => ("largest relative difference from the first row".to_owned(), points(s, &lines, &unknowns, &largest)),
     };
-    group(lines, vec![StudyPanel { x: "unknowns".into(), y, y_log: true, points, ..StudyPanel::default() }])
+    group(s, lines, vec![StudyPanel { x: "unknowns".into(), y, y_log: true, points, ..StudyPanel::default() }])
 }
 
 /// Words for the additional points of a row: "0 points more".

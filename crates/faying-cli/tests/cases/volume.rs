@@ -293,7 +293,17 @@ fn files_of_a_solid_are_written_with_every_kind_of_cell() {
             assert!(vtu.windows(16).any(|w| w == b"UnstructuredGrid"));
             let svg = output
                 .parts
-                .svg(&FieldPlot { title: "octant", label: "u", field: "u", component: 0, range: None, length: "", moved: 0.0, marks: &[] })
+                .svg(&FieldPlot {
+                    title: "octant",
+                    label: "u",
+                    field: "u",
+                    component: 0,
+                    range: None,
+                    length: "",
+                    moved: 0.0,
+                    marks: &[],
+                    obstacles: &[],
+                })
                 .unwrap();
             assert!(svg.starts_with("<svg") && svg.matches("z").count() > 100);
         }

@@ -100,3 +100,174 @@ fn bodies_are_drawn_deformed_with_their_supports_and_loads() {
     let red = |svg: &str| svg.split("<path").filter(|p| p.contains("stroke=\"#C94C33\"")).map(|p| p.matches('M').count()).sum::<usize>();
     assert_eq!(red(&long), 2 * 7);
 }
+
+/// Points of the paths of a picture whose lines are so many units wide, an eighth of a pixel each: relative coordinates summed up.
+fn paths(svg: &str, width: &str) -> Vec<Vec<[i64; 2]>> {
+    let of_width = svg.split("<path").filter(|p| p.contains(&format!("stroke-width=\"{width}\"")));
+    let data = of_width.filter_map(|p| p.split_once(" d=\"")?.1.split('"').next());
+    let numbers = |text: &str| -> Vec<i64> {
+        text.replace('-', " -").replace('l', " ").split_whitespace().map(|word| word.trim_end_matches('z').parse().unwrap()).collect()
+    };
+    let points = |path: &str| {
+        let mut at = [0, 0];
+        numbers(path)
+            .chunks(2)
+            .map(|step| {
+                at = [at[0] + step[0], at[1] + step[1]];
+                at
+            })
+            .collect()
+    };
+    data.flat_map(|d| d.split('M').skip(1)).map(points).collect()
+}
+
+#[test]
+fn obstacles_are_drawn_where_they_have_moved_to() {
+    let at = tempfile::tempdir().unwrap();
+    let floor = "[[contact]]\nname = \"floor\"\nslave = \"a.bottom\"\n\
+        rigid = { kind = \"half-plane\", point = [0, -0.5], normal = [0, 1], move = { y = \"0.25*t\" } }\n";
+    let held = STRETCHED.split("[[boundary]]").next().unwrap().to_owned() + "[[boundary]]\non = \"a.top\"\nfix = [\"x\", \"y\"]\n";
+    std::fs::write(at.path().join("a.toml"), held + floor).unwrap();
+    faying(at.path(), &["run", "a.toml"]);
+    let svg = std::fs::read_to_string(at.path().join("a.out/fields.svg")).unwrap();
+    // the window holds the square and the floor at y = -1/4, with 0.06 of the height 1.25 around: 400 pixels per length, 460 x 560 of them,
+    // at (62, 80); the floor is 30 pixels above its lower end
+    assert_eq!(paths(&svg, "13"), [vec![[62 * 8, 610 * 8], [522 * 8, 610 * 8]]]);
+    // strokes of 8 pixels below it, 9 pixels apart, the first one after half of that
+    let strokes = paths(&svg, "7");
+    let strokes: Vec<_> = strokes.iter().filter(|line| line.len() == 2 && line[0][1] == 610 * 8).collect();
+    assert_eq!(strokes.len(), 51);
+    for (k, line) in strokes.iter().enumerate() {
+        let step = [line[1][0] - line[0][0], line[1][1] - line[0][1]];
+        assert_eq!((line[0][0], step), (62 * 8 + 36 + 72 * k as i64, [-45, 45]));
+    }
+    assert!(words(&svg).contains(&"floor") && words(&svg).iter().any(|word| word.ends_with("; hatched: rigid")), "{:?}", words(&svg));
+}
+
+/// Polylines of a colour, each point in pixels.
+fn lines(svg: &str, color: &str) -> Vec<Vec<[f64; 2]>> {
+    let point = |text: &str| {
+        let (x, y) = text.split_once(',').unwrap();
+        [x, y].map(|v| v.parse::<f64>().unwrap() / 8.0)
+    };
+    let of_color = svg.lines().filter(|line| line.starts_with("<polyline") && line.contains(color));
+    of_color
+        .map(|line| line.split_once("points=\"").unwrap().1.split('"').next().unwrap().split_whitespace().map(point).collect())
+        .collect()
+}
+
+const BLUE: &str = "#1F67AD";
+const RED: &str = "#C94C33";
+const INK: &str = "#262B33";
+
+#[test]
+fn all_slaves_of_a_contact_are_in_one_picture() {
+    let at = tempfile::tempdir().unwrap();
+    let mut case = STRETCHED.split("[[patch]]").next().unwrap().to_owned();
+    for (name, x, pressed) in [("a", 0, 0.1), ("b", 2, 0.2)] {
+        case += &format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = [{x}, 0], max = [{}, 1] }}\nelements = [2, 2]\n\
+             [[boundary]]\non = \"{name}.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"{name}.top\"\npressure = {pressed}\n",
+            x + 1
+        );
+    }
+    case += "[[contact]]\nname = \"floor\"\nslave = [\"a.bottom\", \"b.bottom\"]\nrigid = { kind = \"half-plane\", point = [0, 0], normal = [0, 1] }\n";
+    std::fs::write(at.path().join("a.toml"), case).unwrap();
+    faying(at.path(), &["run", "a.toml"]);
+    let file = |name: &str| at.path().join("a.out").join(name);
+    assert!(file("interface_floor.0.csv").is_file() && file("interface_floor.1.csv").is_file() && !file("interface_floor.0.svg").exists());
+    let svg = std::fs::read_to_string(file("interface_floor.svg")).unwrap();
+    // 0 to 0.2 and 0.08 of that at both ends on 330 pixels from 84, two sides of length 1 on 700 pixels from 78
+    let height = |pressure: f64| 84.0 + 330.0 * (0.216 - pressure) / 0.232;
+    let drawn: Vec<[f64; 2]> = lines(&svg, BLUE).into_iter().flatten().filter(|p| p[1] > 84.0).collect();
+    assert!(drawn.len() > 60, "{drawn:?}");
+    for [x, y] in &drawn {
+        let wanted: Vec<f64> =
+            [(78.0..=428.0, 0.1), (428.0..=778.0, 0.2)].into_iter().filter(|(on, _)| on.contains(x)).map(|(_, p)| height(p)).collect();
+        assert!(wanted.iter().any(|h| (y - h).abs() < 0.2), "{x} {y} {wanted:?}");
+    }
+    assert!(["a.bottom", "b.bottom"].iter().all(|name| words(&svg).contains(name)), "{:?}", words(&svg));
+    assert!(words(&svg).contains(&"arc length along the slave sides"));
+    assert!(std::fs::read_to_string(file("report.html")).unwrap().contains("Contacts: floor, along its slave side"));
+}
+
+#[test]
+fn ties_show_normal_and_tangential_part_beside_the_exact_ones() {
+    let at = tempfile::tempdir().unwrap();
+    // E = 1, nu = 0: the stress is the strain, xx 0.1, xy (0.2 + 0.05) / 2
+    let case = "[model]\nphysics = \"elasticity\"\ndimension = 2\nexact = { u = [\"0.1*x + 0.2*y\", \"0.05*x + 0.3*y\"] }\n\
+        [[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\n\
+        [[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [3, 3]\n\
+        [[patch]]\nname = \"b\"\ngeometry = { kind = \"box\", min = [1, 0], max = [2, 1] }\nelements = [2, 2]\n\
+        [[boundary]]\non = [\"a.left\", \"b.right\"]\ndirichlet = \"exact\"\n\
+        [[boundary]]\non = [\"a.top\", \"b.top\", \"a.bottom\", \"b.bottom\"]\ntraction = \"exact\"\n\
+        [[interface]]\nname = \"seam\"\nslave = \"a.right\"\nmaster = \"b.left\"\n";
+    std::fs::write(at.path().join("a.toml"), case).unwrap();
+    faying(at.path(), &["run", "a.toml"]);
+    let svg = std::fs::read_to_string(at.path().join("a.out/interface_seam.svg")).unwrap();
+    // 0 to 0.125 and 0.08 of that at both ends on 330 pixels
+    let height = |part: f64| 84.0 + 330.0 * (0.135 - part) / 0.145;
+    let on_curve = |color: &str| -> Vec<f64> { lines(&svg, color).into_iter().flatten().map(|p| p[1]).filter(|y| *y > 84.0).collect() };
+    for (color, part) in [(BLUE, 0.1), (RED, 0.125)] {
+        let curve = on_curve(color);
+        assert!(curve.len() > 40 && curve.iter().all(|y| (y - height(part)).abs() < 0.2), "{color}: {curve:?}");
+    }
+    let exact = on_curve(INK);
+    for part in [0.1, 0.125] {
+        assert!(exact.iter().filter(|y| (*y - height(part)).abs() < 0.2).count() > 40, "{part}: {exact:?}");
+    }
+    let shown = words(&svg);
+    assert!(["lambda: normal part (tension positive)", "tangential part", "exact"].iter().all(|word| shown.contains(word)), "{shown:?}");
+}
+
+#[test]
+fn surfaces_show_pressure_and_gap_around_a_small_zone() {
+    let at = tempfile::tempdir().unwrap();
+    let case = |rigid: &str| {
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 3\n[discretization]\nbackend = \"fe\"\ndegree = 1\n\
+             [[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\n\
+             [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = [0, 0, 0], max = [1, 1, 0.2] }}\nelements = [24, 24, 1]\n\
+             [[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"y\", \"z\"]\n[[contact]]\nname = \"c\"\nslave = \"a.top\"\nrigid = {{ {rigid} }}\n"
+        )
+    };
+    let picture = |rigid: &str| {
+        std::fs::write(at.path().join("a.toml"), case(rigid)).unwrap();
+        faying(at.path(), &["run", "a.toml"]);
+        let read = |name: &str| std::fs::read_to_string(at.path().join("a.out").join(name)).unwrap();
+        assert!(words(&read("fields.svg")).contains(&"c (rigid)"), "the obstacle has its name");
+        read("interface_c.svg")
+    };
+    let apart = picture("kind = \"half-plane\", point = [0, 0, 0.45], normal = [0, 0, -1]");
+    let shown = words(&apart);
+    assert!(shown.contains(&"pressure: 0 everywhere") && shown.contains(&"gap: 0.25 everywhere"), "{shown:?}");
+    assert!(shown.iter().filter(|word| **word == "largest extent in view: 1").count() == 2, "{shown:?}");
+    // a ball of radius 1 that is 0.004 deep: the circle in which it cuts the plane has the radius 0.09
+    let ball = picture("kind = \"sphere\", center = [0.5, 0.5, 1.196], radius = 1");
+    let shown = words(&ball);
+    let extent = shown.iter().find_map(|word| word.strip_prefix("largest extent in view: ")).unwrap().parse::<f64>().unwrap();
+    assert!(extent < 0.6, "{shown:?}");
+    let gap = shown.iter().find(|word| word.starts_with("gap, near the contact zone: from ")).unwrap();
+    let most: f64 = gap.rsplit(' ').next().unwrap().parse().unwrap();
+    // at the corner of a square of that size around the middle, at most its half diagonal away: r^2 / 2
+    assert!(most > 0.0 && most < 0.25 * extent * extent, "{gap} {extent}");
+}
+
+#[test]
+fn the_active_set_of_every_step_is_drawn() {
+    let at = tempfile::tempdir().unwrap();
+    let floor = "[[contact]]\nname = \"floor\"\nslave = \"a.bottom\"\n\
+        rigid = { kind = \"half-plane\", point = [0, -0.5], normal = [0, 1], move = { y = \"0.51*t\" } }\n[steps]\nt = [0.5, 0.99, 1]\n";
+    let held = STRETCHED.split("[[boundary]]").next().unwrap().to_owned() + "[[boundary]]\non = \"a.top\"\nfix = [\"x\", \"y\"]\n";
+    std::fs::write(at.path().join("a.toml"), held + floor).unwrap();
+    faying(at.path(), &["run", "a.toml"]);
+    let read = |name: &str| std::fs::read_to_string(at.path().join("a.out").join(name)).unwrap();
+    let svg = read("active_set.svg");
+    let result: serde_json::Value = serde_json::from_str(&read("result.json")).unwrap();
+    let steps = result["steps"].as_array().unwrap();
+    let systems: usize = steps.iter().map(|step| step["active_set"]["history"].as_array().unwrap().len()).sum();
+    assert!(steps.len() == 3 && systems >= 3, "{steps:?}");
+    let rings = svg.matches("fill=\"none\"").count() - svg.matches("<polyline").count();
+    assert_eq!(svg.matches("<circle").count() - rings, 2 * systems);
+    assert!(["t = 0.5", "iteration, all steps"].iter().all(|word| words(&svg).contains(word)), "{:?}", words(&svg));
+}

@@ -464,6 +464,7 @@ fn pictures_are_svg_documents_of_fixed_bytes() {
         length: "",
         moved: 0.0,
         marks: &[],
+        obstacles: &[],
     };
     let parts = [part("ring", &all[1].1, CellStyle::Bezier), part("triangles", &all[9].1, CellStyle::Lagrange)];
     let svg = plot::fields(&plot, &parts).unwrap();
@@ -481,9 +482,9 @@ fn pictures_are_svg_documents_of_fixed_bytes() {
         InterfaceRow { s: Some(0.2), lambda: vec![-1.0], active: true, ..InterfaceRow::default() },
         InterfaceRow { s: Some(1.2), ..InterfaceRow::default() },
     ];
-    let exact = |x: &Vector<2>| -x[0];
-    let svg =
-        plot::side(&plot::SidePlot { title: "pad", contact: true, rows: &rows, exact: Some(&exact), units: ["", ""] }, &side).unwrap();
+    let exact = |e: usize, xi: &[Vector<1>]| xi.iter().map(|x| -(e as f64) - x[0]).collect();
+    let sides = [plot::SlaveCurve { label: "ring.v0", part: &side, rows: &rows, exact: Some(&exact) }];
+    let svg = plot::side(&plot::SidePlot { title: "pad", contact: true, sides: &sides, units: ["", ""] }).unwrap();
     let mut reader = Reader::from_str(&svg);
     while !matches!(reader.read_event().expect("well-formed XML"), Event::Eof) {}
     assert!(svg.contains("active function (1 of 2)") && svg.contains("exact"));
@@ -504,6 +505,7 @@ fn pictures_to_look_at_are_written_where_asked() {
             length: "",
             moved: 0.0,
             marks: &[],
+            obstacles: &[],
         };
         std::fs::write(folder.join(format!("fields_{k}.svg")), plot::fields(&plot, &[part(name, space, CellStyle::Bezier)]).unwrap())
             .unwrap();
@@ -532,6 +534,7 @@ fn pictures_to_look_at_are_written_where_asked() {
         length: "",
         moved: 0.0,
         marks: &[],
+        obstacles: &[],
     };
     std::fs::write(folder.join("pair.svg"), plot::fields(&plot, &parts).unwrap()).unwrap();
     let trace = upper.trace("v1").unwrap();
@@ -550,18 +553,24 @@ fn pictures_to_look_at_are_written_where_asked() {
             ..InterfaceRow::default()
         })
         .collect();
-    let picture = plot::SidePlot {
-        title: "A half cylinder on a block: pressure on pad",
-        contact: true,
-        rows: &rows,
-        exact: Some(&pressure),
-        units: ["", ""],
+    let exact = {
+        let space = trace.space.clone();
+        move |e: usize, xi: &[Vector<1>]| {
+            let mut table = MapTable::new();
+            space.map(e, xi, Order::Values, &mut table);
+            table.x.iter().map(pressure).collect()
+        }
     };
-    std::fs::write(folder.join("pressure.svg"), plot::side(&picture, &side).unwrap()).unwrap();
+    let sides = [plot::SlaveCurve { label: "half.v0", part: &side, rows: &rows, exact: Some(&exact) }];
+    let title = "A half cylinder on a block: pressure on pad";
+    let picture = plot::SidePlot { title, contact: true, sides: &sides, units: ["", ""] };
+    std::fs::write(folder.join("pressure.svg"), plot::side(&picture).unwrap()).unwrap();
     let tied = Part::new("arc", trace.space.clone(), CellStyle::Lagrange)
         .with("lambda", 2, |e, xi: &[Vector<1>]| xi.iter().flat_map(|x| [(e as f64 + x[0]).sin(), (e as f64 * 0.5).cos()]).collect());
-    let picture = plot::SidePlot { title: "Multiplier", contact: false, rows: &rows, exact: None, units: ["", ""] };
-    std::fs::write(folder.join("tied.svg"), plot::side(&picture, &tied).unwrap()).unwrap();
+    let tied = tied.with("normal", 2, |_, xi: &[Vector<1>]| xi.iter().flat_map(|_| [0.0, 1.0]).collect());
+    let sides = [plot::SlaveCurve { label: "half.v0", part: &tied, rows: &rows, exact: None }];
+    let picture = plot::SidePlot { title: "Multiplier", contact: false, sides: &sides, units: ["", ""] };
+    std::fs::write(folder.join("tied.svg"), plot::side(&picture).unwrap()).unwrap();
 }
 
 /// Runs `case` in `folder` and returns its fields.vtu and its probes by name.

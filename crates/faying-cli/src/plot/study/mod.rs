@@ -6,6 +6,7 @@ mod triangle;
 
 use super::{BLUE_LINE, INK, PlotError, RED_LINE, Root, document, heading, shortened, stroke, taller, text, units};
 use crate::table::decimals;
+use plotters::element::DashedPathElement;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
@@ -16,6 +17,8 @@ pub use scale::Axis;
 pub struct StudyLine {
     /// Name in the legend.
     pub name: String,
+    /// Number of its backend among those of the study: lines of one have one mark.
+    pub mark: usize,
     /// Observed rate in the size of the elements between the last two points of the first panel.
     pub rate: Option<f64>,
 }
@@ -103,7 +106,7 @@ pub fn study(plot: &StudyPlot<'_>) -> Result<String, PlotError> {
             top += legend(group) + 10.0;
             for (k, panel) in group.panels.iter().enumerate() {
                 let left = across * (k % 2) as f64;
-                panel::draw(root, panel, [left + ROOM[0], top + ROOM[1] + down * (k / 2) as f64], [w, h])?;
+                panel::draw(root, (panel, &group.lines), [left + ROOM[0], top + ROOM[1] + down * (k / 2) as f64], [w, h])?;
             }
             top += down * group.panels.len().div_ceil(2) as f64;
         }
@@ -119,8 +122,8 @@ fn draw_legend(root: &Root<'_, '_>, group: &StudyGroup, top: f64, width: f64, co
     for (k, line) in group.lines.iter().take(count).enumerate() {
         let left = ROOM[0] + wide * (k / per_column) as f64;
         let middle = units(top + LEGEND * (k % per_column) as f64 + 7.0);
-        root.draw(&PathElement::new(vec![(units(left), middle), (units(left + 24.0), middle)], stroke(color(k), 2.0)))?;
-        mark(root, k, (units(left + 12.0), middle))?;
+        trace(root, k, &[(units(left), middle), (units(left + 24.0), middle)], false)?;
+        mark(root, (k, line.mark), (units(left + 12.0), middle), false)?;
         let rate = line.rate.map_or(String::new(), |r| format!(": rate {} in h", decimals(r, 2)));
         let words = shortened(&format!("{}{rate}", line.name), wide - 40.0, 12.0);
         root.draw(&Text::new(words, (units(left + 32.0), middle), text(12.0, INK, HPos::Left, VPos::Center)))?;
@@ -133,20 +136,41 @@ fn color(k: usize) -> RGBColor {
     COLORS[k % COLORS.len()]
 }
 
-/// The mark of line `k`: lines of one colour differ in it.
-fn mark(root: &Root<'_, '_>, k: usize, at: (i32, i32)) -> Result<(), PlotError> {
-    let (color, r) = (color(k), units(4.0));
-    let corners = [(at.0 - r, at.1 - r), (at.0 + r, at.1 + r)];
-    match (k / COLORS.len()) % 4 {
-        0 => root.draw(&Circle::new(at, r, color.filled()))?,
-        1 => root.draw(&Rectangle::new(corners, color.filled()))?,
-        2 => {
-            root.draw(&Circle::new(at, r, WHITE.filled()))?;
-            root.draw(&Circle::new(at, r, stroke(color, 1.6)))?;
-        }
-        _ => {
-            root.draw(&Rectangle::new(corners, WHITE.filled()))?;
-            root.draw(&Rectangle::new(corners, stroke(color, 1.6)))?;
+/// Lengths of dashes and of the gaps between them, in pixels: lines of one colour differ in them.
+const DASHES: [[f64; 2]; 4] = [[0.0, 0.0], [9.0, 4.0], [4.0, 4.0], [2.0, 3.0]];
+/// Dashes of a line that lies on another one, which shows between them.
+const OVER: [f64; 2] = [8.0, 8.0];
+
+/// Draws line `k`; `over`: it lies on another one.
+fn trace(root: &Root<'_, '_>, k: usize, points: &[(i32, i32)], over: bool) -> Result<(), PlotError> {
+    let [dash, gap] = if over { OVER } else { DASHES[(k / COLORS.len()) % DASHES.len()] };
+    let style = stroke(color(k), 2.0);
+    if dash == 0.0 {
+        root.draw(&PathElement::new(points.to_vec(), style))?;
+    } else {
+        root.draw(&DashedPathElement::new(points.to_vec(), units(dash), units(gap), style))?;
+    }
+    Ok(())
+}
+
+/// Draws the mark with a number in the colour of line `k`; `over`: around the one of another line.
+fn mark(root: &Root<'_, '_>, (k, number): (usize, usize), at: (i32, i32), over: bool) -> Result<(), PlotError> {
+    let (color, r) = (color(k), units(if over { 6.5 } else { 4.0 }));
+    let diamond = vec![(at.0 - r, at.1), (at.0, at.1 - r), (at.0 + r, at.1), (at.0, at.1 + r)];
+    let square = vec![(at.0 - r, at.1 - r), (at.0 + r, at.1 - r), (at.0 + r, at.1 + r), (at.0 - r, at.1 + r)];
+    let corners = match number % 4 {
+        0 => None,
+        1 => Some(square),
+        2 => Some(diamond),
+        _ => Some(vec![(at.0 - r, at.1 + r), (at.0, at.1 - r), (at.0 + r, at.1 + r)]),
+    };
+    match (corners, over) {
+        (None, false) => root.draw(&Circle::new(at, r, color.filled()))?,
+        (None, true) => root.draw(&Circle::new(at, r, stroke(color, 1.6)))?,
+        (Some(corners), false) => root.draw(&Polygon::new(corners, color.filled()))?,
+        (Some(mut corners), true) => {
+            corners.push(corners[0]);
+            root.draw(&PathElement::new(corners, stroke(color, 1.6)))?;
         }
     }
     Ok(())
@@ -169,7 +193,7 @@ mod tests {
 
     #[test]
     fn one_point_is_a_picture() {
-        let lines = vec![StudyLine { name: "fe".into(), rate: None }];
+        let lines = vec![StudyLine { name: "fe".into(), ..StudyLine::default() }];
         let group = StudyGroup { lines, panels: vec![panel(vec![vec![(100.0, 1e-3)]])] };
         let svg = study(&StudyPlot { title: "a", groups: &[group] }).unwrap();
         assert!(svg.contains("<circle") && svg.contains("fe"));
@@ -179,7 +203,7 @@ mod tests {
     fn a_line_of_order_three_has_a_triangle_that_says_so() {
         let line: Vec<(f64, f64)> = (0..4).map(|k| (0.5_f64.powi(k), 0.7 * 0.125_f64.powi(k))).collect();
         let of = |slopes: bool| {
-            let lines = vec![StudyLine { name: "fe".into(), rate: Some(3.0) }];
+            let lines = vec![StudyLine { name: "fe".into(), rate: Some(3.0), ..StudyLine::default() }];
             let group = StudyGroup { lines, panels: vec![StudyPanel { slopes, ..panel(vec![line.clone()]) }] };
             study(&StudyPlot { title: "a", groups: &[group] }).unwrap()
         };
@@ -188,9 +212,33 @@ mod tests {
         assert_eq!(count(&with, "<polyline"), count(&without, "<polyline") + 1);
         assert_eq!(count(&with, "<text"), count(&without, "<text") + 2);
         // forty lines are drawn, and told apart by colours and marks
-        let lines: Vec<StudyLine> = (0..60).map(|k| StudyLine { name: format!("line {k}"), rate: None }).collect();
+        let lines: Vec<StudyLine> = (0..60).map(|k| StudyLine { name: format!("line {k}"), ..StudyLine::default() }).collect();
         let many = StudyGroup { lines, panels: vec![panel(vec![line.clone(); 60]), panel(vec![line; 60])] };
         let svg = study(&StudyPlot { title: "a", groups: &[many] }).unwrap();
         assert!(svg.contains("line 47") && !svg.contains("line 48"));
+    }
+    #[test]
+    fn lines_that_coincide_are_both_seen_and_backends_have_one_mark() {
+        let line: Vec<(f64, f64)> = (0..3).map(|k| (0.5_f64.powi(k), 0.25_f64.powi(k))).collect();
+        let other: Vec<(f64, f64)> = line.iter().map(|p| (p.0, 3.0 * p.1)).collect();
+        let drawn = |points: Vec<Vec<(f64, f64)>>, marks: &[usize]| {
+            let line = |mark: &usize| StudyLine { name: format!("line of {mark}"), mark: *mark, rate: None };
+            let panels = vec![StudyPanel { slopes: false, ..panel(points) }];
+            study(&StudyPlot { title: "a", groups: &[StudyGroup { lines: marks.iter().map(line).collect(), panels }] }).unwrap()
+        };
+        let count = |svg: &str, word: &str| svg.matches(word).count();
+        // three points and the legend
+        let alone = drawn(vec![line.clone()], &[0]);
+        assert_eq!((count(&alone, "<circle"), count(&alone, "<polygon")), (4, 0));
+        let two = drawn(vec![line.clone(), other.clone()], &[0, 1]);
+        assert_eq!((count(&two, "<circle"), count(&two, "<polygon")), (4, 4));
+        let same = drawn(vec![line.clone(), other], &[0, 0]);
+        assert_eq!((count(&same, "<circle"), count(&same, "<polygon")), (8, 0));
+        // the line on the other one is in dashes, many lines in place of one, its marks are rings
+        let over = drawn(vec![line.clone(), line], &[0, 0]);
+        let red = |svg: &str| svg.lines().filter(|l| l.starts_with("<polyline") && l.contains("#C94C33")).count();
+        let rings = |svg: &str| svg.lines().filter(|l| l.starts_with("<circle") && l.contains("fill=\"none\"")).count();
+        assert_eq!((red(&same), rings(&same)), (2, 0));
+        assert!(red(&over) > 10 && rings(&over) == 3, "{} {}", red(&over), rings(&over));
     }
 }

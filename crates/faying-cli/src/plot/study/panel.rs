@@ -2,7 +2,7 @@
 
 use super::scale::{Axis, Scale};
 use super::triangle::{Triangle, triangles};
-use super::{MOST_LINES, StudyPanel, color, mark};
+use super::{MOST_LINES, StudyLine, StudyPanel, mark, trace};
 use crate::plot::{GREY, INK, PALE, PlotError, Root, shortened, stroke, text, units};
 use crate::table::short;
 use plotters::prelude::*;
@@ -26,9 +26,16 @@ pub fn scales(panel: &StudyPanel) -> Option<(Scale<'_>, Scale<'static>)> {
     Some((x, Scale::of(vertical(panel), points.iter().map(|p| p.1), 0.2)?))
 }
 
-/// Draws a panel whose lines go into the area of `size` at `corner`, in pixels; without points there is an empty area.
-pub fn draw(root: &Root<'_, '_>, panel: &StudyPanel, corner: [f64; 2], size: [f64; 2]) -> Result<(), PlotError> {
-    let ([left, top], [w, h]) = (corner, size);
+/// Lines nearer than this at all of their points coincide, in pixels.
+const SAME: f64 = 1.5;
+
+/// Draws a panel with these lines, which go into the area of `size` at `corner`, in pixels; without points there is an empty area.
+pub fn draw(
+    root: &Root<'_, '_>,
+    (panel, names): (&StudyPanel, &[StudyLine]),
+    [left, top]: [f64; 2],
+    [w, h]: [f64; 2],
+) -> Result<(), PlotError> {
     let base = units(top + h);
     let heading = shortened(&panel.y, w, 12.5);
     root.draw(&Text::new(heading, (units(left), units(top - 20.0)), text(12.5, INK, HPos::Left, VPos::Top)))?;
@@ -57,14 +64,15 @@ pub fn draw(root: &Root<'_, '_>, panel: &StudyPanel, corner: [f64; 2], size: [f6
         for triangle in slopes {
             slope(root, triangle, &px, &py)?;
         }
-        for (k, line) in all.iter().enumerate() {
-            let at: Vec<(i32, i32)> = line.iter().map(|p| (px(p.0), py(p.1))).collect();
+        let places: Vec<Vec<(i32, i32)>> = all.iter().map(|line| line.iter().map(|p| (px(p.0), py(p.1))).collect()).collect();
+        let near = |(a, b): (&(i32, i32), &(i32, i32))| (a.0 - b.0).abs().max((a.1 - b.1).abs()) <= units(SAME);
+        for (k, at) in places.iter().enumerate() {
+            let over = places[..k].iter().any(|other| other.len() == at.len() && other.iter().zip(at).all(near));
             if at.len() > 1 {
-                root.draw(&PathElement::new(at.clone(), stroke(color(k), 2.0)))?;
+                trace(root, k, at, over)?;
             }
-            for p in at {
-                mark(root, k, p)?;
-            }
+            let number = names.get(k).map_or(0, |line| line.mark);
+            at.iter().try_for_each(|p| mark(root, (k, number), *p, over))?;
         }
     }
     root.draw(&PathElement::new(vec![(units(left), units(top)), (units(left), base), (units(left + w), base)], stroke(GREY, 1.0)))?;

@@ -6,8 +6,9 @@ use faying::physics::Conductor;
 use faying::problem::{Components, Problem};
 use faying::space::{Mesh, Patch, PatchSpec};
 use faying_cli::case::ReadOptions;
-use faying_cli::plot::{self, FieldPlot};
+use faying_cli::plot::{self, FieldPlot, SurfaceQuantity};
 use faying_cli::run::run as run_case;
+use faying_cli::table::short;
 use faying_cli::{Case, Registry, RunControl, RunOptions, SidePart};
 
 #[test]
@@ -42,10 +43,17 @@ fn files_show_lambda_gap_traction_and_normal_of_the_side() {
         let text = faying_cli::table::interface_csv(&side.rows);
         assert!(text.starts_with("s,x,y,z,lambda.x,lambda.y,lambda.z,gap,active\n,"), "{text}");
         assert!(!side.part.vtu().unwrap().is_empty());
-        let shown: plot::Shown = |lambda| lambda.iter().map(|l| l * l).sum::<f64>().sqrt();
-        let picture =
-            FieldPlot { title: "seam", label: "|lambda|", field: "lambda", component: 0, range: None, length: "", moved: 0.0, marks: &[] };
-        assert!(plot::surface(&picture, shown, part).unwrap().contains("|lambda|"));
+        // lambda = sigma m on the normal m of the master: one number everywhere, as its normal part m . sigma m, and what is left of it
+        let sigma = |i: usize, j: usize| mu * (gradient[i][j] + gradient[j][i]) + if i == j { first * trace } else { 0.0 };
+        let m = (part.fields[4].sample)(0, &xi);
+        let pull: Vec<f64> = (0..3).map(|i| (0..3).map(|j| sigma(i, j) * m[j]).sum()).collect();
+        let along: f64 = pull.iter().zip(&m).map(|(a, b)| a * b).sum();
+        let across = (pull.iter().map(|p| p * p).sum::<f64>() - along * along).sqrt();
+        for (shown, value) in SurfaceQuantity::all(false, 3).iter().zip([along, across]) {
+            let svg = plot::surface(&FieldPlot { title: "seam", label: shown.label(), ..FieldPlot::default() }, *shown, &[part]).unwrap();
+            let said = format!("{}: {} everywhere", shown.label(), short(value, 4));
+            assert!(svg.contains(&said), "{said}: {svg}");
+        }
     }
 }
 
