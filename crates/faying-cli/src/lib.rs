@@ -49,8 +49,8 @@ pub use errors::{Diagnostic, Diagnostics, Severity};
 pub use formula::Formula;
 pub use indexmap::IndexMap;
 pub use output::{
-    ClosestInPlane, DisplacementFactor, ExactAlong, FieldRange, Finished, Mark, MarkKind, Output, Parts, Picture, RigidFace, RigidPicture,
-    RigidShape, RunOptions, SideOutput, SidePart, StepOutput,
+    ClosestInPlane, DisplacementFactor, ExactAlong, FieldRange, Finished, Mark, MarkKind, Output, Panel, Parts, Picture, RigidFace,
+    RigidPicture, RigidShape, RunOptions, SideOutput, SidePart, StepOutput,
 };
 pub use place::{Located, SourceSpan};
 pub use registry::{Family, Fault, MakeSolver, Names, Registry, SolverOptions, UnknownName};

@@ -60,16 +60,16 @@ pub struct Output {
     pub units: Units,
     /// The bodies.
     pub parts: Parts,
-    /// The field of the picture; `None`: no picture.
-    pub picture: Option<Picture>,
-    /// Factor of the displacements in that picture; 0: the bodies at rest.
+    /// What `fields.svg` shows, one below the other; empty: no picture.
+    pub panels: Vec<Panel>,
+    /// Whether u is an elastic displacement, so that multipliers are stresses.
+    pub elastic: bool,
+    /// Factor of the displacements on bodies; 0: the bodies at rest.
     pub deformed: DisplacementFactor,
-    /// Supports and loads in that picture.
+    /// Supports and loads on bodies.
     pub marks: Vec<Mark>,
-    /// Rigid obstacles in that picture.
+    /// Rigid obstacles beside bodies.
     pub obstacles: Vec<RigidPicture>,
-    /// Extremes of that field over the closed elements; `None`: those of the picture's own points.
-    pub range: Option<FieldRange>,
     /// Interfaces and contacts, in the order of the case.
     pub sides: Vec<SideOutput>,
 }
@@ -214,15 +214,26 @@ impl std::fmt::Debug for FieldRange {
     }
 }
 
-/// Field shown in `fields.svg`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A panel of `fields.svg`.
+#[derive(Debug)]
+pub enum Panel {
+    /// A field on the bodies.
+    Bodies(Picture),
+    /// The slave sides of the interface or contact of this name.
+    Sides(String),
+}
+
+/// A field on the bodies.
+#[derive(Debug)]
 pub struct Picture {
     /// Name of a field of every part.
     pub field: String,
-    /// Component of it.
-    pub component: usize,
+    /// Component of it; `None`: the root of the sum of their squares.
+    pub component: Option<usize>,
     /// Label of the colour bar.
     pub label: String,
+    /// Its extremes over the closed elements.
+    pub range: FieldRange,
 }
 
 /// An exact multiplier at local points of an element of a slave side, components point by point.

@@ -25,7 +25,7 @@ impl Reader {
         let units = root.has("units").then(|| self.section(&mut root, "units", rows::UNITS, false, Self::units));
         let units = units.flatten().unwrap_or_default();
         let output = root.has("output").then(|| self.section(&mut root, "output", rows::OUTPUT, false, Self::output));
-        let deformed = output.flatten().unwrap_or_default();
+        let (deformed, shown) = output.flatten().unwrap_or_default();
         self.constants(root.node("let").cloned().as_ref());
         self.names = name_list(&root);
         let model = self.section(&mut root, "model", rows::MODEL, true, Self::model).unwrap_or(case.model);
@@ -71,6 +71,7 @@ impl Reader {
             title,
             units,
             deformed,
+            fields: Vec::new(),
             constants: self.constants.clone(),
             model,
             discretization,
@@ -91,6 +92,7 @@ impl Reader {
             effective: String::new(),
         };
         self.surfaces(&case);
+        case.fields = self.shown_fields(&shown, &case);
         case.effective = self.effective(root);
         case
     }
@@ -125,9 +127,9 @@ impl Reader {
     }
 
     /// `[output]`.
-    fn output(&mut self, b: &mut Block) -> Deformed {
+    fn output(&mut self, b: &mut Block) -> (Deformed, Vec<Located<String>>) {
         let node = self.value_of(b, "deformed");
-        match &node.value {
+        let deformed = match &node.value {
             Value::Bool(false) => Deformed::Factor(0.0),
             Value::Text(word) if word == "auto" => Deformed::Auto,
             Value::Integer(_) | Value::Float(_) => match self.number_of(&node, "deformed", Sign::Any).filter(|v| *v >= 0.0) {
@@ -141,7 +143,8 @@ impl Reader {
                 self.wrong_type(&node, "deformed", "\"auto\", a number, or false", "write deformed = 20");
                 Deformed::Auto
             }
-        }
+        };
+        (deformed, self.words_of_fields(b))
     }
 
     // title: none by default
@@ -192,6 +195,7 @@ impl Case {
             title: Located::default(),
             units: Units::default(),
             deformed: Deformed::default(),
+            fields: Vec::new(),
             constants: Constants::default(),
             model: Model {
                 head: none(()),

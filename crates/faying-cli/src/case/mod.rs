@@ -31,6 +31,7 @@ mod reports;
 mod rows;
 mod schema;
 mod set;
+mod shown_fields;
 mod sides;
 mod tie;
 mod tree;

@@ -4,7 +4,7 @@ use crate::errors::{Diagnostic, Diagnostics};
 use crate::plot::{self, FieldPlot, IterationPlot, IterationStep, SidePlot, SlaveCurve, SurfaceQuantity};
 use crate::result::{ActiveSetSummary, StepReport};
 use crate::table;
-use crate::{Output, RunResult, SideOutput, SidePart};
+use crate::{Output, Panel, RunResult, SideOutput, SidePart};
 
 /// A file to be written.
 #[derive(Clone, Debug)]
@@ -42,22 +42,11 @@ pub fn of(output: &Output, with_vtu: bool, with_pictures: bool, trouble: &mut Di
     if with_vtu && !output.parts.is_empty() {
         add("fields.vtu".to_owned(), output.parts.vtu().map_err(|e| e.to_string()));
     }
-    if let Some(picture) = output.picture.as_ref().filter(|_| with_pictures) {
-        let range = output.range.as_ref().and_then(|range| range.0());
-        let (field, component) = (picture.field.as_str(), picture.component);
-        let length = output.units.length.as_str();
-        let plot = FieldPlot {
-            title: &output.title,
-            label: &picture.label,
-            field,
-            component,
-            range,
-            length,
-            moved: (output.deformed.0)(),
-            marks: &output.marks,
-            obstacles: &output.obstacles,
-        };
-        add("fields.svg".to_owned(), output.parts.svg(&plot).map(String::into_bytes).map_err(|e| e.to_string()));
+    if with_pictures && !output.panels.is_empty() {
+        let panels: Result<Vec<String>, _> = output.panels.iter().map(|panel| drawn(output, panel)).collect();
+        // one panel is the picture itself
+        let made = panels.map(|mut list| if list.len() == 1 { list.remove(0) } else { plot::stacked(&list) });
+        add("fields.svg".to_owned(), made.map(String::into_bytes).map_err(|e| e.to_string()));
     }
     for sides in output.sides.chunk_by(|a, b| a.of == b.of) {
         for side in sides {
@@ -75,6 +64,27 @@ pub fn of(output: &Output, with_vtu: bool, with_pictures: bool, trouble: &mut Di
     files
 }
 
+/// A panel of `fields.svg`.
+fn drawn(output: &Output, panel: &Panel) -> Result<String, plot::PlotError> {
+    match panel {
+        Panel::Bodies(picture) => output.parts.svg(&FieldPlot {
+            title: &output.title,
+            label: &picture.label,
+            field: &picture.field,
+            component: picture.component,
+            range: (picture.range.0)(),
+            length: &output.units.length,
+            moved: (output.deformed.0)(),
+            marks: &output.marks,
+            obstacles: &output.obstacles,
+        }),
+        Panel::Sides(name) => {
+            let sides = output.sides.chunk_by(|a, b| a.of == b.of).find(|sides| sides[0].of == *name);
+            picture(output, sides.ok_or_else(|| plot::PlotError::Empty(name.clone()))?)
+        }
+    }
+}
+
 /// The picture of all slave sides of an interface or a contact.
 fn picture(output: &Output, sides: &[SideOutput]) -> Result<String, plot::PlotError> {
     let (name, contact) = (&sides[0].of, sides[0].contact);
@@ -85,7 +95,7 @@ fn picture(output: &Output, sides: &[SideOutput]) -> Result<String, plot::PlotEr
     };
     let length = output.units.length.as_str();
     // lambda of conduction is a flux, whose unit is not known
-    let stress = if output.picture.as_ref().is_some_and(|p| p.field == "u") { String::new() } else { output.units.stress() };
+    let stress = if output.elastic { output.units.stress() } else { String::new() };
     let curves: Vec<SlaveCurve<'_>> = sides
         .iter()
         .filter_map(|side| {

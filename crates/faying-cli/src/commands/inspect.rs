@@ -8,7 +8,7 @@ use crate::Registry;
 use crate::case::Case;
 use crate::errors::{Diagnostic, nearest};
 use crate::inspect::{Inspection, add_fields, inspect as look, mesh_of, picture};
-use crate::plot::faces;
+use crate::plot::faces::{self, FacePlot};
 use crate::run::memory_for_files;
 use crate::text_format::bytes;
 use faying_files::{Contents, FileError, Limits, beside, parse_with, read, read_bytes, vtu_read};
@@ -123,7 +123,17 @@ fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common)
         fields["case"] = more;
     }
     if let Some(file) = svg_file(arguments) {
-        let svg = faces::faces(&picture(&contents, &name)).ok_or_else(|| {
+        let mut plot = picture(&contents, &name);
+        // of a case the mesh that is solved, with the names of the geometries
+        match case.as_ref().map(|case| pool.install(|| crate::run::mesh(case, registry, &name))) {
+            Some(Ok(mesh)) => plot = FacePlot { labels: plot.labels, ..mesh },
+            Some(Err(faults)) => {
+                let first = faults.items.first().map_or("", |fault| fault.message.as_str());
+                text += &format!("\nthe picture shows the geometries, for there is no mesh: {first}\n");
+            }
+            None => {}
+        }
+        let svg = faces::faces(&plot).ok_or_else(|| {
             let message = format!("there is no picture of `{name}`: it has no faces, or more than {}", faces::MOST_FACES);
             Exit::from(Diagnostic::error("E091", message))
         })?;

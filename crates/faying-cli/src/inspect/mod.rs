@@ -4,12 +4,14 @@ mod grid;
 mod look;
 mod meshes;
 mod picture;
+mod side_place;
 mod splines;
 
 pub use grid::{FieldReport, add_fields, mesh_of};
 pub use look::{Location, Soundness};
 pub use meshes::{CellsReport, GroupReport};
 pub use picture::picture;
+pub use side_place::SidePlace;
 pub use splines::{LabelReport, PatchReport, face, faces, map_of, name_of};
 
 use crate::table::{Table, short};
@@ -161,10 +163,21 @@ fn add_inverted(quality: &Soundness, notes: &mut Vec<String>) {
     }
 }
 
+/// "(1, 0.5)", or with z.
+fn point([x, y, z]: &[f64; 3], flat: bool) -> String {
+    let [x, y, z] = [x, y, z].map(|v| short(if v.abs() < 1e-12 { 0.0 } else { *v }, 5));
+    if flat { format!("({x}, {y})") } else { format!("({x}, {y}, {z})") }
+}
+
 impl Inspection {
     /// "length", "area", "volume" of a dimension.
     fn size_word(dimension: usize) -> &'static str {
         ["", "length", "area", "volume"][dimension.min(3)]
+    }
+
+    /// Whether all sides lie in the plane z = 0.
+    fn flat(&self) -> bool {
+        self.dimension < 3 && self.patches.iter().flat_map(|p| p.places.values()).all(|place| place.middle[2] == 0.0)
     }
 
     /// The inspection as text and tables.
@@ -180,14 +193,21 @@ impl Inspection {
         }
         let list = |v: &[usize]| v.iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
         let mut patches = Table::new(["patch", "degree", "elements", "kind", "handed", size]);
-        let mut sides = Table::new(["side", Self::size_word(self.dimension.saturating_sub(1)), "label"]);
+        let mut sides = Table::new(["side", Self::size_word(self.dimension.saturating_sub(1)), "middle", "outward normal", "label"]);
         for p in &self.patches {
             let kind = if p.rational { "NURBS" } else { "B-spline" };
             patches.row([p.name.clone(), list(&p.degree), list(&p.elements), kind.into(), p.handedness.clone(), short(p.measure, 12)]);
             for (side, measure) in &p.sides {
+                let place = p.places.get(side);
+                let middle = place.map_or(String::new(), |place| point(&place.middle, self.flat()));
+                let looks = match place {
+                    Some(SidePlace { normal: Some(normal), .. }) => point(normal, self.flat()),
+                    Some(SidePlace { closed_with: Some(other), .. }) => format!("closed: it is {other}"),
+                    _ => "collapsed".to_owned(),
+                };
                 let side = format!("{}.{side}", p.name);
                 let labels: Vec<&str> = self.labels.iter().filter(|l| l.sides.contains(&side)).map(|l| l.name.as_str()).collect();
-                sides.row([side, short(*measure, 12), labels.join(" ")]);
+                sides.row([side, short(*measure, 12), middle, looks, labels.join(" ")]);
             }
         }
         let mut labels = Table::new(["label", "sides", Self::size_word(self.dimension.saturating_sub(1))]);
@@ -206,12 +226,7 @@ impl Inspection {
         }
         let q = &self.quality;
         if q.elements > 0 {
-            let [x, y, z] = q.worst.at;
-            let place = if self.dimension == 3 || z != 0.0 {
-                format!("({}, {}, {})", short(x, 5), short(y, 5), short(z, 5))
-            } else {
-                format!("({}, {})", short(x, 5), short(y, 5))
-            };
+            let place = point(&q.worst.at, self.flat() && q.worst.at[2] == 0.0);
             let _ = writeln!(
                 text,
                 "\n{} elements; least Jacobian {}; least scaled Jacobian {} in element {} of {} at {place}",

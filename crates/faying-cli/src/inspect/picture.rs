@@ -1,8 +1,9 @@
 //! The faces of a file as polygons for its picture: elements in the plane, the outer surface of bodies in space.
 
 use super::CellMap;
-use super::splines::{faces, map_of, middle, name_of};
-use crate::plot::faces::{FacePlot, Polygon};
+use super::side_place::SidePlace;
+use super::splines::{faces, map_of, name_of};
+use crate::plot::faces::{FaceLabel, FacePlot, Polygon};
 use faying::basis::{Elements, Order};
 use faying::geometry::{Geometry, MapTable, cell};
 use faying::linalg::Vector;
@@ -65,10 +66,12 @@ fn of_splines(file: &SplineFile, plot: &mut FacePlot) {
         let name = name_of(file, k);
         of_patch(patch, k, &mut plot.faces);
         plot.parts.push(name.clone());
-        if patch.dimension() == 2 {
-            for (side, curve) in faces(patch) {
-                if let Some(x) = middle(&curve) {
-                    plot.labels.push(([x[0], x[1], x[2]], format!("{name}.{side}")));
+        for (k, axis) in ["u", "v", "w"].into_iter().take(patch.dimension()).enumerate().filter(|_| patch.dimension() > 1) {
+            for (end, place) in [0, 1].into_iter().filter_map(|end| Some((end, SidePlace::of(patch, k, end).ok()?))) {
+                // a patch of a surface has no side that looks away
+                let outward = place.normal.filter(|_| patch.dimension() == 3);
+                if place.normal.is_some() {
+                    plot.labels.push(FaceLabel { at: place.middle, text: format!("{name}.{axis}{end}"), outward });
                 }
             }
         }
@@ -130,7 +133,7 @@ fn of_mesh(mesh: &MeshFile, plot: &mut FacePlot) {
         let middle = points.iter().sum::<Vector<3>>() / points.len().max(1) as f64;
         let nearest = points.iter().min_by(|a, b| (*a - middle).norm().total_cmp(&(*b - middle).norm()));
         if let Some(x) = nearest {
-            plot.labels.push(([x[0], x[1], x[2]], group.label()));
+            plot.labels.push(FaceLabel { at: [x[0], x[1], x[2]], text: group.label(), outward: None });
         }
     }
 }

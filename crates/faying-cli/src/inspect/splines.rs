@@ -1,9 +1,9 @@
 //! Contents of a file of spline patches.
 
 use super::look::{Soundness, is_flat, look};
+use super::side_place::SidePlace;
 use faying::basis::BSpline;
 use faying::geometry::Geometry;
-use faying::linalg::Vector;
 use faying::space::measure;
 use faying_files::{FileError, SplineFile, SplinePatch};
 use serde::Serialize;
@@ -31,6 +31,8 @@ pub struct PatchReport {
     pub measure: f64,
     /// Length or area of every side; zero where it has collapsed.
     pub sides: BTreeMap<String, f64>,
+    /// Middle and outward normal of every side.
+    pub places: BTreeMap<String, SidePlace>,
 }
 
 /// Sides under a name.
@@ -58,7 +60,7 @@ pub fn map_of<const D: usize>(patch: &SplinePatch) -> Result<Box<dyn Geometry<D,
 }
 
 /// Knot spans of a knot vector.
-fn spans(degree: usize, knots: &[f64]) -> usize {
+pub(super) fn spans(degree: usize, knots: &[f64]) -> usize {
     BSpline::try_new(degree, knots.to_vec()).map_or(0, |b| b.breakpoints().len().saturating_sub(1))
 }
 
@@ -117,10 +119,11 @@ pub fn patch(name: String, patch: &SplinePatch) -> Result<(PatchReport, Soundnes
         3 => soundness::<3>(&name, patch)?,
         n => return Err(FileError::Dimension { what: format!("patch \"{name}\" has {n} parameters; 1 to 3 are known"), spot: None }),
     };
-    let mut sides = BTreeMap::new();
+    let (mut sides, mut places) = (BTreeMap::new(), BTreeMap::new());
     if patch.dimension() > 1 {
         let collapsed = patch.collapsed_sides();
-        for (side, face) in faces(patch) {
+        for (k, (side, face)) in faces(patch).into_iter().enumerate() {
+            places.insert(side.clone(), SidePlace::of(patch, k / 2, k % 2)?);
             let measure = if collapsed.contains(&side) { 0.0 } else { size(&face)? };
             sides.insert(side, measure);
         }
@@ -136,6 +139,7 @@ pub fn patch(name: String, patch: &SplinePatch) -> Result<(PatchReport, Soundnes
         handedness: if quality.inverted > 0 { "mixed".into() } else { quality.handedness().into() },
         measure: size(patch)?,
         sides,
+        places,
     };
     Ok((report, quality))
 }
@@ -150,14 +154,4 @@ pub fn labels(file: &SplineFile, patches: &[PatchReport]) -> Vec<LabelReport> {
             measure: label.sides.iter().filter_map(|s| patches.get(s.patch)?.sides.get(&s.side)).sum(),
         })
         .collect()
-}
-
-/// The middle of a side, for its name in a picture.
-pub fn middle(curve: &SplinePatch) -> Option<Vector<3>> {
-    let map = map_of::<1>(curve).ok()?;
-    let n = map.num_elements();
-    let mut table = faying::geometry::MapTable::new();
-    let xi = if n % 2 == 0 { 0.0 } else { 0.5 };
-    map.map(n / 2, &[Vector::<1>::new(xi)], faying::basis::Order::Values, &mut table);
-    table.x.first().copied()
 }

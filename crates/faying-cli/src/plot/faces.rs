@@ -1,5 +1,6 @@
 //! A picture of faces: elements in colours per part, names beside them; bodies in space seen from the corner (1, -1, 1).
 
+use crate::output::{Mark, MarkKind};
 use std::fmt::Write as _;
 
 /// A polygon.
@@ -13,6 +14,17 @@ pub struct Polygon {
     pub lines: Option<Vec<[[f64; 3]; 2]>>,
 }
 
+/// A name in a picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FaceLabel {
+    /// Its place.
+    pub at: [f64; 3],
+    /// The name.
+    pub text: String,
+    /// The normal of the face that it names: names of faces that look away are pale; `None`: it is seen.
+    pub outward: Option<[f64; 3]>,
+}
+
 /// Content of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FacePlot {
@@ -22,8 +34,10 @@ pub struct FacePlot {
     pub parts: Vec<String>,
     /// The polygons.
     pub faces: Vec<Polygon>,
-    /// Labels and their positions.
-    pub labels: Vec<([f64; 3], String)>,
+    /// Names.
+    pub labels: Vec<FaceLabel>,
+    /// Supports and loads; those of faces that look away are left out.
+    pub marks: Vec<Mark>,
 }
 
 /// Most polygons of a picture.
@@ -123,18 +137,61 @@ pub fn faces(plot: &FacePlot) -> Option<String> {
         }
     }
     svg.push_str("</g>\n");
-    for (at, text) in plot.labels.iter().take(MOST_LABELS) {
-        let (x, y) = place(seen(at));
+    draw_marks(&mut svg, &plot.marks, flat, &seen, &place);
+    for label in plot.labels.iter().take(MOST_LABELS) {
+        let (x, y) = place(seen(&label.at));
+        // far behind: seen through the body
+        let away = label.outward.is_some_and(|normal| seen(&normal)[2] < -1e-9);
+        let pale = if away { " fill-opacity=\"0.45\"" } else { "" };
         let _ = writeln!(
             svg,
             "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"middle\" dominant-baseline=\"middle\" stroke=\"white\" stroke-width=\"3\" \
-             paint-order=\"stroke\" fill=\"#7a1f1f\">{}</text>",
-            escaped(text)
+             paint-order=\"stroke\" fill=\"#7a1f1f\"{pale}>{}</text>",
+            escaped(&label.text)
         );
     }
     legend(&mut svg, &plot.parts, width, more);
     svg.push_str("</svg>\n");
     Some(svg)
+}
+
+/// Length of an arrow and of a triangle in pixels.
+const LENGTHS: [f64; 2] = [22.0, 9.0];
+
+/// Writes triangles at supports and arrows at loads, and what they mean; `seen` are the coordinates of a vector to the right, up and to the
+/// eye, `place` is where such coordinates are drawn.
+fn draw_marks(svg: &mut String, marks: &[Mark], flat: bool, seen: &dyn Fn(&[f64; 3]) -> [f64; 3], place: &dyn Fn([f64; 3]) -> (f64, f64)) {
+    for mark in marks.iter().filter(|mark| flat || seen(&mark.normal)[2] > 0.0) {
+        let ([right, up, _], (x, y)) = (seen(&mark.toward), place(seen(&mark.at)));
+        let length = right.hypot(up);
+        // one that points to the eye is a point
+        if length < 1e-3 {
+            continue;
+        }
+        let along = [right / length, -up / length];
+        let at = |back: f64, aside: f64| {
+            let (x, y) = (x - back * along[0] - aside * along[1], y - back * along[1] + aside * along[0]);
+            format!("{x:.2},{y:.2}")
+        };
+        let _ = match mark.kind {
+            MarkKind::Support => {
+                let [back, half] = [LENGTHS[1], 0.55 * LENGTHS[1]];
+                let corners = [at(0.0, 0.0), at(back, half), at(back, -half)].join(" ");
+                writeln!(svg, "<polygon class=\"support\" fill=\"white\" stroke=\"#33404d\" points=\"{corners}\"/>")
+            }
+            MarkKind::Load => {
+                let [tail, tip] = [at(LENGTHS[0], 0.0), at(0.0, 0.0)];
+                let head = [at(6.0, 3.0), tip.clone(), at(6.0, -3.0)].join("L");
+                writeln!(svg, "<path class=\"load\" fill=\"none\" stroke=\"#c94c33\" stroke-width=\"1.4\" d=\"M{tail}L{tip}M{head}\"/>")
+            }
+        };
+    }
+    let any = |kind: MarkKind| marks.iter().any(|mark| mark.kind == kind);
+    let kinds = [(MarkKind::Support, "triangles: supports"), (MarkKind::Load, "arrows: loads")];
+    let list: Vec<&str> = kinds.into_iter().filter(|(kind, _)| any(*kind)).map(|(_, words)| words).collect();
+    if !list.is_empty() {
+        let _ = writeln!(svg, "<text x=\"{MARGIN}\" y=\"44\" fill=\"#787f8a\">{}</text>", list.join(", "));
+    }
 }
 
 /// Writes the names of the parts beside their colours, at the right of a picture; `more` parts have none.
@@ -163,7 +220,7 @@ mod tests {
     fn plot(parts: usize, title: &str) -> String {
         let face = |part: usize| Polygon { points: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 1.0]], part, lines: None };
         let names = (0..parts).map(|k| format!("part-{k}")).collect();
-        let plot = FacePlot { title: title.into(), parts: names, faces: (0..parts).map(face).collect(), labels: Vec::new() };
+        let plot = FacePlot { title: title.into(), parts: names, faces: (0..parts).map(face).collect(), ..FacePlot::default() };
         faces(&plot).expect("there is something to draw")
     }
 

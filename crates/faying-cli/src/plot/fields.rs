@@ -25,8 +25,8 @@ pub struct FieldPlot<'a> {
     pub label: &'a str,
     /// Name of a field of every part.
     pub field: &'a str,
-    /// Component of it.
-    pub component: usize,
+    /// Component of it; `None`: the root of the sum of their squares.
+    pub component: Option<usize>,
     /// Least and largest value that the colours and the heading show; `None`: those of the points of the picture.
     pub range: Option<[f64; 2]>,
     /// Unit of lengths; empty: none is shown.

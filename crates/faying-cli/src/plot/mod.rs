@@ -8,6 +8,7 @@ mod fields;
 mod frame;
 mod iteration;
 mod marks;
+pub mod mesh_faces;
 mod obstacles;
 mod sample;
 mod side;
@@ -53,6 +54,21 @@ impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for PlotE
     fn from(error: DrawingAreaErrorKind<E>) -> Self {
         Self::Drawing(error.to_string())
     }
+}
+
+/// Number `k` of a field that a picture shows; NaN where it is missing.
+fn number(plot: &FieldPlot<'_>, components: usize, values: &[f64], k: usize) -> f64 {
+    let own = values.get(k * components..(k + 1) * components).unwrap_or_default();
+    match plot.component {
+        Some(component) => own.get(component).copied().unwrap_or(f64::NAN),
+        None if own.is_empty() => f64::NAN,
+        None => own.iter().map(|v| v * v).sum::<f64>().sqrt(),
+    }
+}
+
+/// The error of a part that lacks the field.
+fn lacks(plot: &FieldPlot<'_>, part: &str) -> PlotError {
+    PlotError::NoField { part: part.to_owned(), field: plot.field.to_owned(), component: plot.component.unwrap_or(0) }
 }
 
 /// Drawing area of a picture.

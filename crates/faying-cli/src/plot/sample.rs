@@ -1,6 +1,6 @@
 //! Sampling of elements for a picture: coloured pieces and curved edges.
 
-use super::{FieldPlot, PlotError};
+use super::{FieldPlot, PlotError, lacks, number};
 use faying::basis::{Cell, Elements, Order};
 use faying::geometry::{Bounds, Geometry, MapTable, Sampler, cell};
 use faying::linalg::Vector;
@@ -70,16 +70,15 @@ pub(super) fn divisions(boxes: &[Vec<Bounds<2>>]) -> Vec<Vec<Option<usize>>> {
 
 /// The elements of a part that have a number of pieces.
 pub(super) fn sampled(plot: &FieldPlot<'_>, part: &Part<'_, 2, 2>, divisions: &[Option<usize>]) -> Result<Vec<Drawn>, PlotError> {
-    let field = part.fields.iter().find(|f| f.name == plot.field && plot.component < f.components);
-    let field =
-        field.ok_or_else(|| PlotError::NoField { part: part.name.clone(), field: plot.field.to_owned(), component: plot.component })?;
+    let field = part.fields.iter().find(|f| f.name == plot.field && plot.component.unwrap_or(0) < f.components);
+    let field = field.ok_or_else(|| lacks(plot, &part.name))?;
     let outer = edge_kinds(&*part.space);
     let element = |table: &mut MapTable<2, 2>, e: usize, m: usize| {
         let curved = if m == 1 { 2 } else { m.max(8) };
         let simplex = part.space.cell(e) == Cell::Simplex;
         let (cells, middles) = pieces(simplex, m);
         let values = (field.sample)(e, &middles);
-        let value = |k: usize| values.get(k * field.components + plot.component).copied().unwrap_or(f64::NAN);
+        let value = |k: usize| number(plot, field.components, &values, k);
         let mut at = |xi: &[Vector<2>]| -> Vec<[f64; 2]> {
             part.space.map(e, xi, Order::Values, table);
             moved(part, plot.moved, e, xi, &mut table.x);

@@ -10,7 +10,7 @@ use super::frame::bar;
 use super::marks::{draw as draw_marks, words as words_of_marks};
 use super::obstacles::SeenFaces;
 use super::sample::moved;
-use super::{FieldPlot, GREY, INK, PlotError, document, heading, stroke, taller, text, units};
+use super::{FieldPlot, GREY, INK, PlotError, document, heading, lacks, number, stroke, taller, text, units};
 use crate::output::Mark;
 use crate::table::short;
 use faying::basis::{Cell, Order};
@@ -88,9 +88,26 @@ impl SolidPiece {
 }
 
 /// A face of an element: reference corners, in order around it.
-struct Face {
-    element: usize,
+pub(super) struct Face {
+    pub element: usize,
     corners: Vec<Vector<3>>,
+}
+
+impl Face {
+    /// Whether it is a triangle.
+    pub fn is_triangle(&self) -> bool {
+        self.corners.len() == 3
+    }
+
+    /// The point of the face at a point of the unit square or triangle.
+    pub fn place(&self, [s, t]: [f64; 2]) -> Vector<3> {
+        let c = &self.corners;
+        if self.is_triangle() {
+            c[0] * (1.0 - s - t) + c[1] * s + c[2] * t
+        } else {
+            c[0] * (1.0 - s) * (1.0 - t) + c[1] * s * (1.0 - t) + c[2] * s * t + c[3] * (1.0 - s) * t
+        }
+    }
 }
 
 /// Faces of the reference cell as corner numbers, first axis fastest.
@@ -109,7 +126,7 @@ fn corner_of(cell: Cell, number: usize) -> Vector<3> {
 }
 
 /// Faces that belong to one element only; all faces of elements without corner ids.
-fn outer_faces(space: &dyn Space<3, 3>) -> Vec<Face> {
+pub(super) fn outer_faces(space: &dyn Space<3, 3>) -> Vec<Face> {
     let mut owners: BTreeMap<Vec<usize>, (usize, usize, usize)> = BTreeMap::new();
     let mut ids = Vec::new();
     let mut out = Vec::new();
@@ -169,18 +186,8 @@ pub(super) fn middle(corners: &[[f64; 2]]) -> [f64; 2] {
 fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face, m: usize, camera: &Camera) -> Vec<SolidPiece> {
     let field = &part.fields[field];
     let mut table = MapTable::new();
-    let simplex = face.corners.len() == 3;
-    // the face on the unit square or triangle
-    let place = |s: f64, t: f64| -> Vector<3> {
-        let c = &face.corners;
-        if simplex {
-            c[0] * (1.0 - s - t) + c[1] * s + c[2] * t
-        } else {
-            c[0] * (1.0 - s) * (1.0 - t) + c[1] * s * (1.0 - t) + c[2] * s * t + c[3] * (1.0 - s) * t
-        }
-    };
-    let cells = divided(simplex, m);
-    let middles: Vec<Vector<3>> = cells.iter().map(|(c, _)| middle(c)).map(|[s, t]| place(s, t)).collect();
+    let cells = divided(face.is_triangle(), m);
+    let middles: Vec<Vector<3>> = cells.iter().map(|(c, _)| face.place(middle(c))).collect();
     let values = (field.sample)(face.element, &middles);
     part.space.map(face.element, &middles, Order::Gradients, &mut table);
     // outward: away from the cell's middle, turned into space by the inverse transpose of the Jacobian
@@ -196,7 +203,7 @@ fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face
             camera.faces(&outward)
         })
         .collect();
-    let corners: Vec<Vector<3>> = cells.iter().flat_map(|(c, _)| c.iter().map(|p| place(p[0], p[1]))).collect();
+    let corners: Vec<Vector<3>> = cells.iter().flat_map(|(c, _)| c.iter().map(|p| face.place(*p))).collect();
     part.space.map(face.element, &corners, Order::Values, &mut table);
     moved(part, plot.moved, face.element, &corners, &mut table.x);
     let mut from = 0;
@@ -206,7 +213,7 @@ fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face
         from += c.len();
         let corners: Vec<[f64; 3]> = table.x[range].iter().map(|x| camera.see(x)).collect();
         if seen[k] && corners.iter().flatten().all(|v| v.is_finite()) {
-            let value = values.get(k * field.components + plot.component).copied().unwrap_or(f64::NAN);
+            let value = number(plot, field.components, &values, k);
             out.push(SolidPiece { corners, value, edges });
         }
     }
@@ -225,9 +232,8 @@ pub fn solids(plot: &FieldPlot<'_>, parts: &[Part<'_, 3, 3>]) -> Result<String, 
     let m = ((2 * PIECES) as f64 / count as f64).sqrt().floor().clamp(1.0, FINEST as f64) as usize;
     let mut all: Vec<SolidPiece> = Vec::new();
     for (part, faces) in parts.iter().zip(&faces) {
-        let field = part.fields.iter().position(|f| f.name == plot.field && plot.component < f.components);
-        let lacks = || PlotError::NoField { part: part.name.clone(), field: plot.field.to_owned(), component: plot.component };
-        let field = field.ok_or_else(lacks)?;
+        let field = part.fields.iter().position(|f| f.name == plot.field && plot.component.unwrap_or(0) < f.components);
+        let field = field.ok_or_else(|| lacks(plot, &part.name))?;
         let made: Vec<Vec<SolidPiece>> = faces.par_iter().map(|f| pieces(plot, part, field, f, m, &camera)).collect();
         all.extend(made.into_iter().flatten());
     }

@@ -1,8 +1,10 @@
 //! Fields of a solution for the files.
 
 use super::Solved;
-use crate::case::{Case, Deformed};
-use crate::output::{DisplacementFactor, ExactAlong, FieldRange, Output, Parts, Picture, RigidPicture, RunOptions, SideOutput, SidePart};
+use crate::case::{Case, Deformed, PointNumber, ShownField};
+use crate::output::{
+    DisplacementFactor, ExactAlong, FieldRange, Output, Panel, Parts, Picture, RigidPicture, RunOptions, SideOutput, SidePart,
+};
 use crate::plot::in_unit;
 use crate::table::InterfaceRow;
 use faying::linalg::Vector;
@@ -46,27 +48,60 @@ fn assembled<const S: usize, const N: usize>(
     sides: Vec<SideOutput>,
 ) -> Output {
     let title = if case.title.value.is_empty() { case.source.name.clone() } else { case.title.value.clone() };
-    let (field, label) = match solved.solution.contents().components() {
-        1 => ("u", "u".to_owned()),
-        _ => ("von_mises", "von Mises stress".to_owned() + &in_unit(&case.units.stress())),
+    let scalar = solved.solution.contents().components() == 1;
+    let usual = match scalar {
+        true => ShownField::Bodies { word: "u".into(), number: PointNumber::Unknown(0) },
+        false => ShownField::Bodies { word: "von_mises".into(), number: PointNumber::VonMises },
     };
-    let picture = Some(Picture { field: field.into(), component: 0, label });
-    let marks = super::marks::of(case, solved);
+    let shown = if case.fields.is_empty() { std::slice::from_ref(&usual) } else { &case.fields[..] };
+    let panels = shown.iter().map(|field| panel(case, solved, field)).collect();
+    let solution = &solved.solution;
+    let displaced = |body, element, xi: &Vector<N>| {
+        let state = solution.in_element(body, element, &[(*xi).into()]).ok().and_then(|states| states.first().copied());
+        state.map_or_else(Vector::zeros, |state| Vector::from_fn(|c, _| state.u[c]))
+    };
+    let marks = super::marks::of(case, &solution.contents(), solution.t(), &displaced);
     let deformed = {
         let (solved, wanted, contact) = (Arc::clone(solved), case.deformed, !case.contacts.is_empty());
         DisplacementFactor(Box::new(move || factor(&solved, wanted, contact)))
     };
-    let solved = Arc::clone(solved);
-    let range = Some(FieldRange(Box::new(move || range(&solved))));
-    Output { title, units: case.units.clone(), parts, picture, deformed, marks, obstacles, range, sides }
+    Output { title, units: case.units.clone(), parts, panels, elastic: !scalar, deformed, marks, obstacles, sides }
 }
 
-/// Least and largest value of the field of the picture over the closed elements of all bodies.
-fn range<const S: usize, const N: usize>(solved: &Solved<S, N>) -> Option<[f64; 2]> {
+/// A panel of the picture of the fields.
+fn panel<const S: usize, const N: usize>(case: &Case, solved: &Arc<Solved<S, N>>, shown: &ShownField) -> Panel {
+    let (word, number) = match shown {
+        ShownField::Bodies { word, number } => (word, *number),
+        ShownField::Sides(name) => return Panel::Sides(name.clone()),
+    };
+    let (field, component, words, unit) = match number {
+        PointNumber::VonMises => ("von_mises", Some(0), "von Mises stress", case.units.stress()),
+        PointNumber::Displacement => ("displacement", None, "length of the displacement", case.units.length.clone()),
+        PointNumber::Unknown(k) if case.model.components() == 1 => ("u", Some(k), word.as_str(), String::new()),
+        PointNumber::Unknown(k) => ("displacement", Some(k), word.as_str(), case.units.length.clone()),
+        PointNumber::Stress(k) => ("stress", Some(k), word.as_str(), case.units.stress()),
+    };
+    let solved = Arc::clone(solved);
+    let range = FieldRange(Box::new(move || range(&solved, number)));
+    Panel::Bodies(Picture { field: field.into(), component, label: words.to_owned() + &in_unit(&unit), range })
+}
+
+/// The number at a point.
+fn value<const N: usize>(number: PointNumber, s: &PointState<N>) -> f64 {
+    match number {
+        PointNumber::VonMises => von_mises(&s.stress),
+        PointNumber::Displacement => s.u.iter().map(|u| u * u).sum::<f64>().sqrt(),
+        PointNumber::Unknown(k) => s.u[k],
+        PointNumber::Stress(k) => s.stress[k],
+    }
+}
+
+/// Least and largest value of a number over the closed elements of all bodies.
+fn range<const S: usize, const N: usize>(solved: &Solved<S, N>, number: PointNumber) -> Option<[f64; 2]> {
     let (solution, contents) = (&solved.solution, solved.solution.contents());
-    let scalar = contents.components() == 1;
-    let value = |s: &PointState<N>| if scalar { s.u[0] } else { von_mises(&s.stress) };
-    let mut parts = contents.bodies().map(|body| solution.extremes(body.id(), !scalar, &value).ok().flatten());
+    let derived = !matches!(number, PointNumber::Displacement | PointNumber::Unknown(_));
+    let value = |s: &PointState<N>| value(number, s);
+    let mut parts = contents.bodies().map(|body| solution.extremes(body.id(), derived, &value).ok().flatten());
     let join = |[a, b]: [f64; 2], [low, high]: [Extreme<N>; 2]| [a.min(low.value), b.max(high.value)];
     parts.try_fold([f64::INFINITY, f64::NEG_INFINITY], |found, part| Some(join(found, part?)))
 }

@@ -1,21 +1,22 @@
 //! Supports and loads as marks of a picture.
 
-use super::Solved;
 use crate::case::{Boundary, Case, Components, Datum, SideRef};
 use crate::formula::{Formula, Point};
 use crate::output::{Mark, MarkKind};
 use faying::basis::{Elements, Order};
 use faying::geometry::{Geometry, MapTable, cell};
 use faying::linalg::Vector;
-use faying::problem::BodyView;
+use faying::problem::{BodyId, BodyView, Contents};
 use faying::space::Trace;
 
 /// Marks along a side of a body in the plane, and on one in space.
 const MOST: [usize; 2] = [7, 25];
 
-/// The marks of all boundary blocks in elasticity, with the displacements at their points.
-pub fn of<const S: usize, const N: usize>(case: &Case, solved: &Solved<S, N>) -> Vec<Mark> {
-    let contents = solved.solution.contents();
+/// The displacement at a local point of an element of a body.
+type Moved<'a, const N: usize> = &'a dyn Fn(BodyId, usize, &Vector<N>) -> Vector<N>;
+
+/// The marks of all boundary blocks in elasticity at a time, with the displacements at their points.
+pub fn of<const S: usize, const N: usize>(case: &Case, contents: &Contents<'_, S, N>, t: f64, moved: Moved<'_, N>) -> Vec<Mark> {
     if contents.components() == 1 {
         return Vec::new();
     }
@@ -26,8 +27,8 @@ pub fn of<const S: usize, const N: usize>(case: &Case, solved: &Solved<S, N>) ->
             let body = contents.body(side.patch);
             let Ok(trace) = body.body().trace(&side.side) else { continue };
             let holds = holds(block) && held(side);
-            for place in places(solved, &body, &trace) {
-                let at = Point::new(place.at.as_slice()).at_time(solved.solution.t());
+            for place in places(&body, &trace, moved) {
+                let at = Point::new(place.at.as_slice()).at_time(t);
                 if block.filter.as_ref().is_some_and(|f| f.value.value(&at) == 0.0) {
                     continue;
                 }
@@ -58,7 +59,7 @@ struct Spot<const N: usize> {
 }
 
 /// Points spread evenly over a side, on surfaces at most one per element.
-fn places<const S: usize, const N: usize>(solved: &Solved<S, N>, body: &BodyView<'_, S, N>, trace: &Trace<S, N>) -> Vec<Spot<N>> {
+fn places<const S: usize, const N: usize>(body: &BodyView<'_, S, N>, trace: &Trace<S, N>, moved: Moved<'_, N>) -> Vec<Spot<N>> {
     let (space, most) = (&trace.space, MOST[S - 1]);
     // boxes of elements tell their sizes well enough
     let mut ends: Vec<f64> = (0..space.num_elements()).map(|e| space.bounds(e).diagonal().powi(S as i32)).collect();
@@ -77,8 +78,7 @@ fn places<const S: usize, const N: usize>(solved: &Solved<S, N>, body: &BodyView
         let xi = if S == 1 { Vector::<S>::repeat((at - begin) / (ends[e] - begin)) } else { cell::center::<S, f64>(space.cell(e)) };
         space.map(e, &[xi], Order::Gradients, &mut table);
         let facet = &trace.facets[e];
-        let Ok(states) = solved.solution.in_element(body.id(), facet.element, &[facet.lift(&xi).into()]) else { continue };
-        let u = Vector::<N>::from_fn(|c, _| states[0].u[c]);
+        let u = moved(body.id(), facet.element, &facet.lift(&xi));
         found.push(Spot { at: table.x[0], normal: trace.normal(e, &table.jacobian[0]), u });
     }
     found

@@ -6,6 +6,7 @@ mod fields;
 mod forecast;
 mod iteration;
 mod marks;
+mod mesh_picture;
 mod model_words;
 mod multipliers;
 mod obstacles;
@@ -26,6 +27,8 @@ use super::run_control::{Progress, RunControl};
 use super::shapes::{MakeControlNet, plane_net, solid_net};
 use crate::case::Case;
 use crate::errors::{Diagnostic, Diagnostics, Severity};
+use crate::plot::faces::FacePlot;
+use crate::plot::mesh_faces;
 use crate::reference::Reference;
 use faying::constraint::SolveError;
 use faying::coupling::multiplier::reproduction;
@@ -175,6 +178,18 @@ where
     let mut slave = vec![false; case.patches.len()];
     model.system.contents().interfaces().flat_map(|of| of.sides()).for_each(|of| slave[of.side().body()] = true);
     Ok(slave)
+}
+
+/// The mesh of a case that is solved, with its supports and loads at the end of its steps.
+///
+/// # Errors
+/// Those of the case, with their source locations.
+pub fn mesh(case: &Case, registry: &Registry, title: &str) -> Result<FacePlot, Diagnostics> {
+    let (watch, room) = (RunControl::default(), MemoryLimit::least(None));
+    Ok(match in_space(case) {
+        true => mesh_picture::of(case, &built(case, registry, &volume(registry), &watch, room)?, title, mesh_faces::of_solid),
+        false => mesh_picture::of(case, &built(case, registry, &plane(registry), &watch, room)?, title, mesh_faces::of_plane),
+    })
 }
 
 /// Does everything but the solve: the result has the names, the counts and the prediction.

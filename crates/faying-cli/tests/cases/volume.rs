@@ -297,7 +297,7 @@ fn files_of_a_solid_are_written_with_every_kind_of_cell() {
                     title: "octant",
                     label: "u",
                     field: "u",
-                    component: 0,
+                    component: Some(0),
                     range: None,
                     length: "",
                     moved: 0.0,

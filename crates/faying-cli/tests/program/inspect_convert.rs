@@ -380,3 +380,109 @@ fn a_case_shows_the_patches_of_its_files_where_they_stand() {
     close(&found["patches"][1]["measure"], 4.0, "square");
     assert!(found["notes"].to_string().contains("patch \\\"m\\\" is of a mesh: faying inspect"), "{found}");
 }
+
+#[test]
+fn sides_are_told_with_their_middle_and_outward_normal() {
+    let at = folder(&[("ring.xml", RING)]);
+    let (code, found) = json(at.path(), &["inspect", "ring.xml"]);
+    assert_eq!(code, 0, "{found}");
+    let near = |value: &serde_json::Value, wanted: [f64; 3], what: &str| {
+        for k in 0..3 {
+            assert!((value[k].as_f64().unwrap() - wanted[k]).abs() < 1e-12, "{what}: {value}");
+        }
+    };
+    // a quarter of a ring: its arcs have their middle at 45 degrees and look from and to the centre; the square [-1, 0] x [1, 2]
+    let s = 0.5f64.sqrt();
+    let along_radius = |places: &serde_json::Value, side: &str| -> f64 {
+        let (middle, normal) = (&places[side]["middle"], &places[side]["normal"]);
+        let [x, y] = [0, 1].map(|k| middle[k].as_f64().unwrap());
+        let r = x.hypot(y);
+        assert!((x / r - s).abs() < 1e-12 && (y / r - s).abs() < 1e-12 && ((r - 1.0).abs() < 1e-12 || (r - 2.0).abs() < 1e-12), "{middle}");
+        let outward = if r < 1.5 { -1.0 } else { 1.0 };
+        near(normal, [outward * s, outward * s, 0.0], side);
+        r
+    };
+    let ring = &found["patches"][0]["places"];
+    let arcs = if ring["v0"]["middle"][0].as_f64().unwrap() > 0.1 && ring["v0"]["middle"][1].as_f64().unwrap() > 0.1 {
+        ["v0", "v1"]
+    } else {
+        ["u0", "u1"]
+    };
+    assert!((arcs.map(|side| along_radius(ring, side)).iter().sum::<f64>() - 3.0).abs() < 1e-12);
+    let square = found["patches"][1]["places"].as_object().unwrap();
+    for (middle, normal) in [([-1.0, 1.5], [-1.0, 0.0]), ([0.0, 1.5], [1.0, 0.0]), ([-0.5, 1.0], [0.0, -1.0]), ([-0.5, 2.0], [0.0, 1.0])] {
+        let is = |place: &&serde_json::Value| (0..2).all(|k| (place["middle"][k].as_f64().unwrap() - middle[k]).abs() < 1e-12);
+        near(&square.values().find(is).unwrap()["normal"], [normal[0], normal[1], 0.0], "square");
+    }
+    // a full ring is closed, a box in space has six normals, named in its picture
+    let case = |dimension: usize, geometry: &str, elements: &str| {
+        format!(
+            "[model]\nphysics = \"poisson\"\ndimension = {dimension}\n[[patch]]\nname = \"a\"\ngeometry = {{ {geometry} }}\nelements = {elements}\n\
+             [[boundary]]\non = \"all-outer\"\ndirichlet = \"0\"\n"
+        )
+    };
+    let ring = "kind = \"annulus-sector\", center = [0, 0], radius = [1, 2], angle_deg = [0, 360]";
+    std::fs::write(at.path().join("ring.toml"), case(2, ring, "[4, 1]\nclosed = \"u\"")).unwrap();
+    let (code, found) = json(at.path(), &["inspect", "ring.toml"]);
+    assert_eq!((code, &found["patches"][0]["places"]["u0"]["closed_with"]), (0, &"u1".into()), "{found}");
+    assert!(found["patches"][0]["places"]["u0"]["normal"].is_null());
+    let text = String::from_utf8(faying(at.path(), &["inspect", "ring.toml"]).stdout).unwrap();
+    assert!(text.contains("closed: it is u1") && text.contains("closed: it is u0") && text.contains("outward normal"), "{text}");
+    std::fs::write(at.path().join("box.toml"), case(3, "kind = \"box\", min = [0, 0, 0], max = [2, 4, 6]", "[2, 3, 1]")).unwrap();
+    let (code, found) = json(at.path(), &["inspect", "box.toml", "--svg"]);
+    assert_eq!(code, 0, "{found}");
+    for (k, axis) in ["u", "v", "w"].into_iter().enumerate() {
+        for (end, sign) in [(0, -1.0), (1, 1.0)] {
+            let place = &found["patches"][0]["places"][format!("{axis}{end}")];
+            let half = [1.0, 2.0, 3.0];
+            let on = |j: usize| if j == k { f64::from(end) * 2.0 * half[j] } else { half[j] };
+            near(&place["normal"], std::array::from_fn(|j| if j == k { sign } else { 0.0 }), axis);
+            // of two elements the point between them, of three the middle of the second
+            near(&place["middle"], std::array::from_fn(on), axis);
+        }
+    }
+    let svg = std::fs::read_to_string(at.path().join("box.svg")).unwrap();
+    // from the corner (1, -1, 1): u1, v0 and w1 are seen, the others through the body
+    for (name, seen) in [("u0", false), ("u1", true), ("v0", true), ("v1", false), ("w0", false), ("w1", true)] {
+        let label = svg.lines().find(|line| line.contains(&format!(">a.{name}</text>"))).unwrap();
+        assert_eq!(label.contains("fill-opacity"), !seen, "{label}");
+    }
+}
+
+#[test]
+fn the_picture_of_a_case_is_the_mesh_that_is_solved_with_supports_and_loads() {
+    let at = folder(&[]);
+    let head = "[model]\nphysics = \"elasticity\"\ndimension = 3\n[discretization]\nbackend = \"fe\"\ndegree = 1\n\
+        [[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\n[[patch]]\nname = \"a\"\n\
+        geometry = { kind = \"box\", min = [0, 0, 0], max = [2, 4, 6] }\nelements = [2, 3, 1]\n";
+    let loads = "[[boundary]]\non = \"a.u1\"\nfix = [\"x\", \"y\", \"z\"]\n[[boundary]]\non = \"a.u0\"\nfix = [\"x\"]\n[[boundary]]\non = \"a.w1\"\npressure = 1\n";
+    std::fs::write(at.path().join("box.toml"), format!("{head}{loads}")).unwrap();
+    let picture = |words: &[&str]| {
+        let all = [&["inspect", "box.toml", "--svg", "--force"][..], words].concat();
+        let out = faying(at.path(), &all);
+        assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+        (std::fs::read_to_string(at.path().join("box.svg")).unwrap(), String::from_utf8(out.stdout).unwrap())
+    };
+    let count = |svg: &str, word: &str| svg.matches(word).count();
+    // 2 (2 x 3 + 3 x 1 + 1 x 2) faces of hexahedra; of the two held sides the one that is seen: a mark per element, 3 x 1; 2 x 3 on top
+    let (svg, _) = picture(&[]);
+    assert_eq!(count(&svg, "<polygon fill"), 22);
+    assert_eq!((count(&svg, "class=\"support\""), count(&svg, "class=\"load\"")), (3, 6));
+    assert!(svg.contains("triangles: supports, arrows: loads") && svg.contains(">a.u0</text>") && svg.contains(">a</text>"));
+    // what presses on the top points down: no step to the side
+    let load = svg.lines().find(|line| line.contains("class=\"load\"")).unwrap();
+    let ends: Vec<&str> = load.split_once("d=\"M").unwrap().1.split(['L', 'M', ',', '"']).take(4).collect();
+    let [x0, y0, x1, y1] = [0, 1, 2, 3].map(|k| ends[k].parse::<f64>().unwrap());
+    assert!((x0 - x1).abs() < 0.02 && (y1 - y0 - 22.0).abs() < 0.02, "{ends:?}");
+    // tetrahedra: two triangles per face
+    let (svg, _) = picture(&["--set", "discretization.cells=simplex"]);
+    assert_eq!(count(&svg, "<polygon fill"), 44);
+    // a case that has no mesh shows its geometries and says why: the sides of its interface are 3 apart
+    let apart = "[[patch]]\nname = \"b\"\ngeometry = { kind = \"box\", min = [5, 0, 0], max = [6, 4, 6] }\nelements = [1, 1, 1]\n\
+        [[interface]]\nname = \"i\"\nslave = \"a.u1\"\nmaster = \"b.u0\"\n";
+    let held = loads.replace("a.u1", "b.u1");
+    std::fs::write(at.path().join("box.toml"), format!("{head}{apart}{held}")).unwrap();
+    let (svg, text) = picture(&[]);
+    assert!(count(&svg, "<polygon") > 5 && !svg.contains("supports"), "{svg}");
+    assert!(text.contains("the picture shows the geometries, for there is no mesh: `a."), "{text}");
+}

@@ -271,3 +271,41 @@ fn the_active_set_of_every_step_is_drawn() {
     assert_eq!(svg.matches("<circle").count() - rings, 2 * systems);
     assert!(["t = 0.5", "iteration, all steps"].iter().all(|word| words(&svg).contains(word)), "{:?}", words(&svg));
 }
+
+#[test]
+fn fields_that_are_asked_for_are_shown_one_below_the_other() {
+    let at = tempfile::tempdir().unwrap();
+    let floor =
+        "[[contact]]\nname = \"floor\"\nslave = \"a.bottom\"\nrigid = { kind = \"half-plane\", point = [0, -0.5], normal = [0, 1] }\n";
+    let case = |fields: &str| format!("{STRETCHED}{floor}[output]\nfields = {fields}\n");
+    let run = |fields: &str| {
+        std::fs::write(at.path().join("a.toml"), case(fields)).unwrap();
+        faying(at.path(), &["run", "a.toml"]);
+        std::fs::read_to_string(at.path().join("a.out/fields.svg")).unwrap()
+    };
+    // u.x = 1e-4 x, nothing else
+    let svg = run("[\"stress.xx\", \"displacement\", \"u.y\", \"contact.floor.pressure\"]");
+    let order = ["stress.xx: 0.1 everywhere", "length of the displacement: from 0 to 0.0001", "u.y: ", "pressure"];
+    let places: Vec<usize> = order.iter().map(|word| words(&svg).iter().position(|w| w.starts_with(word)).unwrap_or(usize::MAX)).collect();
+    assert!(places.is_sorted() && places[3] < usize::MAX, "{places:?} {:?}", words(&svg));
+    // four documents in one, as high as all together
+    let size = |text: &str, word: &str| text.split_once(word).unwrap().1.split('"').next().unwrap().parse::<f64>().unwrap();
+    let inner: Vec<&str> = svg.split("<svg ").skip(2).collect();
+    let heights: Vec<f64> = inner.iter().map(|svg| size(svg, " height=\"")).collect();
+    let tops: Vec<f64> = inner.iter().map(|svg| size(svg, "y=\"")).collect();
+    assert_eq!(tops, [0.0, heights[0], heights[0] + heights[1], heights[0] + heights[1] + heights[2]]);
+    assert_eq!(size(&svg, " height=\""), heights.iter().sum::<f64>());
+    assert!(std::fs::read_to_string(at.path().join("a.out/report.html")).unwrap().contains("stress.xx: 0.1 everywhere"));
+    // one alone is a picture as without the key, and a text stands for a list of one
+    assert_eq!(run("[\"von_mises\"]"), run("\"von_mises\""));
+    assert_eq!(run("\"von_mises\"").matches("<svg").count(), 1);
+    // what there is not is told with its place and what there is
+    std::fs::write(at.path().join("a.toml"), case("[\"von_mises\", \"stress.xz\"]")).unwrap();
+    let out = Command::new(env!("CARGO_BIN_EXE_faying")).current_dir(at.path()).args(["check", "a.toml"]).output().unwrap();
+    let told = String::from_utf8_lossy(&out.stderr);
+    let line = case("").lines().count();
+    assert_eq!(out.status.code(), Some(3));
+    assert!(told.contains("error[E018]: there is no field `stress.xz` to show") && told.contains(&format!("a.toml:{line}:24")), "{told}");
+    let list = "fields here: von_mises, displacement, u.x, u.y, stress.xx, stress.yy, stress.zz, stress.xy, contact.floor.pressure";
+    assert!(told.contains(list), "{told}");
+}

@@ -87,7 +87,7 @@ fn what_the_reader_refuses_for_its_keys_words_and_types_the_schema_refuses() {
         ("[[contact]]", "[[contacts]]"),
         ("dimension = 2", "dimension = 2\nkinematics = \"finite\""),
         ("slave = \"upper.bottom\"", "friction = 0.3\nslave = \"upper.bottom\""),
-        ("[model]", "[output]\nfields = [\"von_mises\"]\n[model]"),
+        ("[model]", "[output]\nfields = [1]\n[model]"),
     ] {
         assert!(good.contains(old), "{old}");
         let bad = good.replacen(old, new, 1);

@@ -53,7 +53,13 @@ pub(super) const UNITS: &[Key] = &[
 
 /// Contents of pictures.
 pub(super) const OUTPUT: &[Key] = &[
-    later("fields", Plain::Never, "[\"von_mises\"]", "fields.vtu holds all fields, for pictures of another program"),
+    Key::of(
+        "fields",
+        Special::Words,
+        "what fields.svg shows, one below the other: von_mises, displacement, u.x, stress.yy, u, contact.NAME.pressure, interface.NAME.lambda; \
+         without it von_mises, or u",
+    )
+    .optional("[\"von_mises\", \"stress.yy\"]"),
     Key::of(
         "deformed",
         Special::Only("\"auto\", a number from 0, or false", r#"{"anyOf":[{"enum":["auto",false]},{"type":"number","minimum":0}]}"#),

@@ -64,6 +64,35 @@ pub enum Deformed {
     Factor(f64),
 }
 
+/// A number of the state at a point of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PointNumber {
+    /// The von Mises stress.
+    VonMises,
+    /// The length of the displacement.
+    Displacement,
+    /// A component of u.
+    Unknown(usize),
+    /// A stress: xx, yy, zz, xy, yz, xz.
+    Stress(usize),
+}
+
+/// What a panel of `fields.svg` shows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ShownField {
+    /// A number on the bodies.
+    Bodies {
+        /// Its name.
+        word: String,
+        /// The number.
+        number: PointNumber,
+    },
+    /// The pressure or the multiplier on the slave sides of the contact or the interface of this name.
+    Sides(String),
+}
+
 /// A whole case.
 #[derive(Clone, Debug)]
 pub struct Case {
@@ -79,6 +108,8 @@ pub struct Case {
     pub units: Units,
     /// `deformed` of `[output]`.
     pub deformed: Deformed,
+    /// `fields` of `[output]`; empty: the von Mises stress, or u.
+    pub fields: Vec<ShownField>,
     /// Constants of `[let]`.
     pub constants: Constants,
     /// `[model]`.
@@ -139,6 +170,7 @@ impl PartialEq for Case {
             && self.title == other.title
             && self.units == other.units
             && self.deformed == other.deformed
+            && self.fields == other.fields
             && self.constants == other.constants
             && self.model == other.model
             && self.discretization == other.discretization
