@@ -1,8 +1,8 @@
 //! A basis or a map on affine cells inside its elements: refined cells, simplices cut from cells, facets.
 
 use super::{Bounds, Embedding, Geometry, MapTable, cell, hull};
-use crate::basis::{Basis, Cell, Elements, Order, ShapeTable};
-use crate::linalg::{Real, Vector, lit, num};
+use crate::basis::{Basis, Cell, Elements, Order, Polynomials, ShapeTable};
+use crate::linalg::{Matrix, Real, Vector, lit, num};
 
 /// A function vanishes on a cell if its absolute value is at most this at all sample points.
 const VANISHES: f64 = 1e-10;
@@ -119,6 +119,16 @@ impl<const S: usize, const D: usize, X: Basis<D, T>, T: Real> Basis<S, T> for Em
                 ids.extend(kept.local[element].iter().map(|&(_, i)| i));
             }
         }
+    }
+
+    /// Those of the inner basis, where the cells are whole elements of it.
+    fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<S, T>>> {
+        let is_whole = |cell: &Embedding<S, D, T>| cell.origin == Vector::<D, T>::zeros() && cell.axes == Matrix::<D, S, T>::identity();
+        if S != D || !self.cells.iter().all(is_whole) {
+            return None;
+        }
+        let part = Embedded::<S, D, _, T>::new(self.inner.polynomials(wanted)?, self.cells.clone(), self.kind);
+        Some(Box::new(part.with_corners(self.corners.clone()).restricted().0))
     }
 
     fn tabulate(&self, element: usize, xi: &[Vector<S, T>], order: Order, table: &mut ShapeTable<S, T>) {

@@ -297,6 +297,17 @@ impl<const N: usize, T: Real> Material<N, N, T> for Hooke<N, T> {
         let zz = if N < 3 && self.assumption == Assumption::PlaneStrain { lambda.value * trace(grad_u) } else { at(2, 2) };
         [at(0, 0), at(1, 1), zz, at(0, 1), at(1, 2), at(0, 2)]
     }
+    fn spatial_strain(&self, x: &Vector<N, T>, grad_u: &Matrix<N, N, T>) -> [T; 6] {
+        let at = |k: usize, l: usize| if k < N && l < N { (grad_u[(k, l)] + grad_u[(l, k)]) * lit(0.5) } else { T::zero() };
+        let zz = if self.assumption == Assumption::PlaneStress {
+            // sigma_zz = 0 with lambda' = 2 lambda mu / (lambda + 2 mu)
+            let (lambda, mu) = self.lame(x);
+            -lambda.value / (num::<T>(2) * mu.value) * trace(grad_u)
+        } else {
+            at(2, 2)
+        };
+        [at(0, 0), at(1, 1), zz, at(0, 1), at(1, 2), at(0, 2)]
+    }
     fn divergence(&self, x: &Vector<N, T>, grad_u: &Matrix<N, N, T>, hessian: &[Matrix<N, N, T>; N]) -> Vector<N, T> {
         let (lambda, mu) = self.lame(x);
         let divergence = trace(grad_u);

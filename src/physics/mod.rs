@@ -9,7 +9,7 @@ mod poisson;
 mod stress;
 
 use crate::assembly::{Coefficient, Form, Tangent};
-use crate::linalg::{Matrix, Real, Vector};
+use crate::linalg::{Matrix, Real, Vector, lit};
 use std::fmt::Debug;
 
 pub use flux::BodyFlux;
@@ -18,7 +18,7 @@ pub use hoop::{Hoop, hoop_strain, revolved_source, stress_of};
 pub use jet::Jet;
 pub use loads::{exact_traction, neumann, pressure, traction};
 pub use poisson::Conductor;
-pub use stress::{Stress, energy, stress_at, stresses, von_mises};
+pub use stress::{Stress, energy, principal, stress_at, stresses, von_mises};
 
 /// Stress and its derivative at a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,6 +61,12 @@ pub trait Material<const C: usize, const N: usize, T: Real = f64>: Debug + Send 
         let at = |k: usize, l: usize| if k < C && l < N { stress[(k, l)] } else { T::zero() };
         [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(0, 2)]
     }
+    /// The strain in space, xx yy zz xy yz xz, of the gradient alone: zero with one component, and zero out of the plane unless the material
+    /// deforms there.
+    fn spatial_strain(&self, _x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> [T; 6] {
+        let at = |k: usize, l: usize| if C == N && k < N && l < N { (grad_u[(k, l)] + grad_u[(l, k)]) * lit(0.5) } else { T::zero() };
+        [at(0, 0), at(1, 1), at(2, 2), at(0, 1), at(1, 2), at(0, 2)]
+    }
     /// div sigma [force/volume], component i the sum of d sigma_ij/dx_j, for `hessian[i][(j, k)]` = d2u_i/dx_j dx_k.
     ///
     /// A material that depends on `x` adds the derivative of its constants, which this default implementation omits.
@@ -90,6 +96,7 @@ macro_rules! forward_material {
             fn is_homogeneous(&self) -> bool { (**self).is_homogeneous() }
             fn check(&self, x: &Vector<N, T>) -> Result<(), MaterialError> { (**self).check(x) }
             fn spatial_stress(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> [T; 6] { (**self).spatial_stress(x, grad_u) }
+            fn spatial_strain(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>) -> [T; 6] { (**self).spatial_strain(x, grad_u) }
             fn divergence(&self, x: &Vector<N, T>, grad_u: &Matrix<C, N, T>, hessian: &[Matrix<N, N, T>; C]) -> Vector<C, T> {
                 (**self).divergence(x, grad_u, hessian)
             }

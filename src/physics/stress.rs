@@ -19,6 +19,8 @@ pub struct Stress<const C: usize, const N: usize, T: Real = f64> {
     pub stress: Matrix<C, N, T>,
     /// Components xx yy zz xy yz xz [force/area], including those out of the plane; of bodies of revolution rr, zz, the hoop stress, rz.
     pub spatial: [T; 6],
+    /// The strain in the same order: eps_kl = (du_k/dx_l + du_l/dx_k) / 2, and the strains out of the plane; zero for Poisson.
+    pub strain: [T; 6],
 }
 
 /// The field `u` (unknown = C * function + component) and its stress at the local points `xi` of `element`.
@@ -80,14 +82,16 @@ where
 {
     let FieldAt { x, value, gradient } = *state;
     let (mut stress, mut spatial) = (material.respond(&x, &gradient).stress, material.spatial_stress(&x, &gradient));
+    let mut around = material.spatial_strain(&x, &gradient);
     if let Some(hoop) = material.hoop(&x) {
         let strain = hoop_strain(&x, &value, &gradient, axis);
         stress += hoop.coupling * strain;
         spatial[0] = stress[(0, 0)];
         (spatial[1], spatial[3]) = (stress[(1, 1)], stress[(0, 1)]);
         spatial[2] = hoop.stress(&gradient, strain);
+        around[2] = strain;
     }
-    Stress { x, value, gradient, stress, spatial }
+    Stress { x, value, gradient, stress, spatial, strain: around }
 }
 
 /// The von Mises stress of xx yy zz xy yz xz.
@@ -97,6 +101,18 @@ pub fn von_mises<T: Real>(s: &[T; 6]) -> T {
     let normal = square(xx - yy) + square(yy - zz) + square(zz - xx);
     let shear = square(xy) + square(yz) + square(xz);
     (normal * lit(0.5) + num::<T>(3) * shear).sqrt()
+}
+
+/// The eigenvalues of the symmetric tensor xx yy zz xy yz xz, the largest first; NaN where an entry is not finite.
+pub fn principal(s: &[f64; 6]) -> [f64; 3] {
+    // the iteration for eigenvalues would not end
+    if !s.iter().all(|v| v.is_finite()) {
+        return [f64::NAN; 3];
+    }
+    let [xx, yy, zz, xy, yz, xz] = *s;
+    let mut values = Matrix::<3, 3>::new(xx, xy, xz, xy, yy, yz, xz, yz, zz).symmetric_eigenvalues();
+    values.as_mut_slice().sort_by(|a, b| b.total_cmp(a));
+    values.into()
 }
 
 /// The strain energy 1/2 uᵀ K u of a linear material.

@@ -151,13 +151,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             }
             names.insert(name, id);
         }
-        let mut slaves: HashMap<*const BodySide<S, N>, Statement> = HashMap::new();
-        for (slave, id) in ties.iter().flat_map(|t| t.own.pairs.iter().map(|p| (&p.slave, t.id().into()))) {
-            if let Some(&first) = slaves.get(&Arc::as_ptr(slave)) {
-                errors.push(ProblemError::new(ErrorKind::SlaveTwice, vec![first, id], vec![slave.label.clone()]));
-            }
-            slaves.insert(Arc::as_ptr(slave), id);
-        }
+        self.check_slaves(&mut errors);
         let mut pairs: BTreeMap<[*const BodySide<S, N>; 2], Statement> = BTreeMap::new();
         let of_ties =
             ties.iter().flat_map(|t| t.own.pairs.iter().flat_map(move |p| p.masters.iter().map(move |m| (&p.slave, m, t.id().into()))));
@@ -174,13 +168,34 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         for contact in contacts {
             let driven = || contact.own.motion.iter().chain(&contact.own.forces).map(|(component, _)| *component);
             let mut refuse = |kind| errors.push(ProblemError::new(kind, vec![contact.id().into()], vec![contact.name.clone()]));
-            if matches!(contact.own.faced, StatedOpponent::Sides(_)) && driven().next().is_some() {
+            let changes = matches!(contact.own.faced, StatedOpponent::Obstacle { changes: true, .. });
+            if contact.own.adjust && (changes || driven().next().is_some()) {
+                refuse(ErrorKind::AdjustsMoving);
+            } else if matches!(contact.own.faced, StatedOpponent::Sides(_)) && driven().next().is_some() {
                 refuse(ErrorKind::NoObstacle);
             } else if let Some(component) = driven().find(|c| *c >= N || driven().filter(|other| other == c).count() > 1) {
                 refuse(ErrorKind::Driven { component });
             }
         }
         errors
+    }
+
+    /// Slave sides, or parts of them, with facets of another one. A side may face several obstacles.
+    fn check_slaves(&self, errors: &mut Vec<ProblemError>) {
+        let of_ties = self.ties.iter().flat_map(|t| t.own.pairs.iter().map(|p| (&p.slave, t.id().into(), true)));
+        let of_contacts = self.contacts.iter().flat_map(|c| c.own.slaves.iter().map(|s| (s, Statement::from(c.id()), false)));
+        let mut known: HashMap<(usize, &str), Vec<(&Arc<BodySide<S, N>>, Statement, bool)>> = HashMap::new();
+        for (slave, id, is_tied) in of_ties.chain(of_contacts) {
+            let before = known.entry((slave.patch, &slave.side)).or_default();
+            let meets = |(other, _, tied): &&(&Arc<BodySide<S, N>>, Statement, bool)| match Arc::ptr_eq(other, slave) {
+                true => is_tied && *tied,
+                false => slave.trace.facets.iter().any(|facet| other.trace.facets.contains(facet)),
+            };
+            if let Some((_, first, _)) = before.iter().find(meets) {
+                errors.push(ProblemError::new(ErrorKind::SlaveTwice, vec![*first, id], vec![slave.label.clone()]));
+            }
+            before.push((slave, id, is_tied));
+        }
     }
 
     /// The ties, with the distances that the facets of named sides explain, and warnings of those that they do not.
@@ -204,7 +219,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             // a side in two lists of one tie counts once
             let mut seen = BTreeSet::new();
             for side in tie.own.pairs.iter().flat_map(|p| p.masters.iter().chain([&p.slave])) {
-                if seen.insert((side.patch, &side.side)) {
+                if seen.insert(Arc::as_ptr(side)) {
                     members.add(model, side);
                 }
             }
@@ -212,17 +227,19 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         members
     }
 
-    /// Functions of the model that slave sides of contacts on different bodies share: each would get two multipliers.
+    /// Functions of the model that slave sides of contacts on different bodies share, or parts of one side whose multipliers are as rich as
+    /// the side: each would get two multipliers.
     fn seams(&self, model: &Model<S, N>) -> HashSet<usize> {
-        let (mut first, mut shared) = (HashMap::new(), HashSet::new());
-        if model.glued.is_empty() {
-            return shared;
-        }
-        for side in self.contacts.iter().flat_map(|c| &c.own.slaves) {
-            for &dof in &side.trace.dofs {
-                let function = model.function(side.patch, dof);
-                if *first.entry(function).or_insert(side.patch) != side.patch {
-                    shared.insert(function);
+        let (mut first, mut shared) = (HashMap::<usize, &Arc<BodySide<S, N>>>::new(), HashSet::new());
+        for contact in &self.contacts {
+            for side in &contact.own.slaves {
+                for &dof in &side.trace.dofs {
+                    let function = model.function(side.patch, dof);
+                    let other = *first.entry(function).or_insert(side);
+                    let parts = other.side == side.side && !Arc::ptr_eq(other, side) && contact.multiplier.lowers_ends(side);
+                    if other.patch != side.patch || parts {
+                        shared.insert(function);
+                    }
                 }
             }
         }

@@ -180,7 +180,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         if sides.0.is_empty() {
             return Err(ProblemError::named(ErrorKind::NoMaster, &[]));
         }
-        sides.0.into_iter().map(|side| self.side(side)).collect()
+        let all: Result<Vec<_>, _> = sides.0.into_iter().map(|side| self.sides_of(side)).collect();
+        Ok(all?.concat())
     }
 
     /// The bodies, in the order in which they were said.

@@ -8,8 +8,8 @@ use super::physics::Physics;
 use super::touching::{NearPair, PairedSides, Search, TouchError};
 use crate::assembly::Rim;
 use crate::basis::Cell;
-use crate::geometry::{Embedding, Sag};
-use crate::space::{Body, SideError, Space, Trace};
+use crate::geometry::Sag;
+use crate::space::{Body, Trace};
 use std::collections::BTreeMap;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -37,11 +37,8 @@ pub trait Compiled<const S: usize, const N: usize>: Debug + Sync {
         extra_points: usize,
     ) -> BodyModel<S, N>;
 
-    /// The side of facets of one shape.
-    ///
-    /// # Errors
-    /// [`SideError`] of the facets.
-    fn side(&self, space: &Arc<dyn Space<N, N>>, facets: Vec<Embedding<S, N>>, kind: Cell) -> Result<Trace<S, N>, SideError>;
+    /// [`Trace::part`].
+    fn part(&self, side: &Trace<S, N>, elements: &[usize], kind: Cell) -> Trace<S, N>;
 
     /// The points that a side shares with others.
     fn rim(&self, side: &Trace<S, N>, others: &[&Trace<S, N>], extra_points: usize) -> Rim<N>;
@@ -109,8 +106,8 @@ impl<const S: usize, const N: usize> Compiled<S, N> for Library {
     ) -> BodyModel<S, N> {
         BodyModel::new(id, name, body, physics, first, extra_points)
     }
-    fn side(&self, space: &Arc<dyn Space<N, N>>, facets: Vec<Embedding<S, N>>, kind: Cell) -> Result<Trace<S, N>, SideError> {
-        Trace::from_facets(space, facets, kind)
+    fn part(&self, side: &Trace<S, N>, elements: &[usize], kind: Cell) -> Trace<S, N> {
+        side.part(elements, kind)
     }
     fn rim(&self, side: &Trace<S, N>, others: &[&Trace<S, N>], extra_points: usize) -> Rim<N> {
         Rim::shared(side, others, extra_points)

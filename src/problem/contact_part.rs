@@ -11,6 +11,7 @@ use super::interface_side::InterfaceSide;
 use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing};
 use super::multipliers::{unstable_pairing, wrapped, wrapped_dual};
 use super::tie_part::{finer_segments, points_of};
+use super::touching::explained;
 use crate::assembly::gauss_rules;
 use crate::basis::{Basis, Elements};
 use crate::contact::{Cone, ContactError, ContactKinematics, ContactRows};
@@ -77,7 +78,8 @@ where
         };
         let cone = if needs.multiplier { setup.contact.own.cone } else { Cone::default() };
         let (psi, masters) = (multiplier.as_deref(), setup.masters);
-        let sides = ContactSides { slave, against: &against, masters, multiplier: psi, cone, second: second.as_ref() };
+        let closes = if setup.contact.own.adjust { explained(&self.patches, slave, masters) } else { 0.0 };
+        let sides = ContactSides { slave, against: &against, masters, multiplier: psi, cone, second: second.as_ref(), closes };
         let moves = contact.obstacle.as_ref().is_some_and(|o| o.changes);
         let changes = moves || contact.gap.depends_on_time() || (needs.fluxes && sides.change(self));
         // an obstacle may come within reach later
@@ -99,6 +101,7 @@ where
                     finer,
                     masters: masters.to_vec(),
                     first,
+                    closes,
                     changes,
                     first_row: self.rows,
                 });
@@ -124,7 +127,7 @@ where
             });
         }
         for &t in setup.times_of(contact.gap.depends_on_time()) {
-            let value = |(x, g): &(&Vector<N>, &f64)| contact.gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(**g));
+            let value = |(x, g): &(&Vector<N>, &f64)| contact.wanted(x, t, **g, sides.closes);
             if let Some((x, g)) = first.frames.x.iter().zip(&first.frames.gap).find(|at| !value(at).is_finite()) {
                 return Err(InterfaceError::Gap { at: Point::new(x.as_slice()).x, geometric: *g, t });
             }

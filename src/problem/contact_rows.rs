@@ -1,7 +1,6 @@
 //! Rows, offsets and weights of contacts at a time and at a place of their obstacles, as their method makes them.
 
 use super::contact_fluxes::SideFluxes;
-use super::data::Point;
 use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing};
 use super::rigid_bodies::unit;
 use crate::basis::Basis;
@@ -25,6 +24,8 @@ pub(super) struct ContactSides<'a, const S: usize, const N: usize> {
     pub cone: Cone,
     /// The master's own points, for mixed integration.
     pub second: Option<&'a Segments<S>>,
+    /// Largest gap or overlap at rest that is closed \[length\].
+    pub closes: f64,
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
@@ -37,6 +38,7 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
             multiplier: self.multiplier.as_deref(),
             cone: self.cone,
             second: self.second.as_ref(),
+            closes: self.closes,
         }
     }
 }
@@ -54,7 +56,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
     ) -> R {
         let flux = fluxes.map(SideFluxes::slave);
         let slave = Side { trace: &sides.slave.trace, field: model.patches[sides.slave.patch].field, flux };
-        let gap = |x: &Vector<N>, g: f64| self.gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g));
+        let gap = |x: &Vector<N>, g: f64| self.wanted(x, t, g, sides.closes);
         let at = |opponent, own, translations| ContactAt {
             second: sides.second,
             cone: sides.cone,

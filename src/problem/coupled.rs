@@ -98,6 +98,14 @@ impl<const S: usize, const N: usize> Multiplier<S, N> {
         matches!(self, Self::Kind(MultiplierKind::Dual))
     }
 
+    /// Whether it is lowered at constrained ends of `side`.
+    pub(super) fn lowers_ends(&self, side: &BodySide<S, N>) -> bool {
+        match self {
+            Self::Kind(kind) => kind.lowers_ends::<S, f64>(&*side.trace.space),
+            Self::Made(_) => true,
+        }
+    }
+
     /// Whether it may be an unstable pairing under another name.
     pub(super) fn is_nameless(&self) -> bool {
         matches!(self, Self::Kind(MultiplierKind::Constant | MultiplierKind::Uniform { .. }))
@@ -273,6 +281,7 @@ pub struct ContactOptions<const S: usize, const N: usize> {
     pub(super) reach: Option<f64>,
     pub(super) start: Start,
     pub(super) symmetry: bool,
+    pub(super) adjust: bool,
     pub(super) motion: Vec<(usize, Data)>,
     pub(super) forces: Vec<(usize, Data)>,
 }
@@ -321,6 +330,13 @@ impl<const S: usize, const N: usize> Coupled<S, N, ContactOptions<S, N>> {
     /// Says that a zone that ends at the end of the side goes on beyond it: half models.
     pub fn symmetry(&mut self) -> &mut Self {
         self.own.symmetry = true;
+        self
+    }
+
+    /// Closes gaps and overlaps at rest that facets explain: those of up to twice the distance of the facets of both sides from the surfaces
+    /// for which they stand, and of rounding. The formula of the gap is that of what is left.
+    pub fn adjust(&mut self) -> &mut Self {
+        self.own.adjust = true;
         self
     }
 

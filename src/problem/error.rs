@@ -190,6 +190,8 @@ pub enum ErrorKind {
     NoMaster,
     /// A motion or a force of a contact between bodies.
     NoObstacle,
+    /// A contact closes the gaps of an obstacle that moves: they would be those of its motion.
+    AdjustsMoving,
     /// A component in which an obstacle cannot be moved or pressed, or is so twice.
     Driven {
         /// The component, from 0.
@@ -287,6 +289,7 @@ impl Display for ProblemError {
             ),
             ErrorKind::TouchesBeyond => write!(f, "`{one}` touches `{other}` beyond the sides with which it shares facets"),
             ErrorKind::NoMaster => write!(f, "the list of master sides is empty"),
+            ErrorKind::AdjustsMoving => write!(f, "contact \"{one}\" closes the gaps of facets: its obstacle must stay where it is"),
             ErrorKind::NoObstacle => write!(f, "contact \"{one}\" faces a body: only obstacles are moved or pressed"),
             ErrorKind::Driven { component } => write!(
                 f,

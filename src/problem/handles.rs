@@ -166,24 +166,24 @@ pub struct Unknown {
     pub component: usize,
 }
 
-/// One or several sides, such as the masters of a slave side.
+/// One or several sides or parts of sides, such as the masters of a slave side.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Sides<'a>(pub Vec<SideOf<'a>>);
+pub struct Sides<'a>(pub Vec<Region<'a>>);
 
-impl<'a> From<SideOf<'a>> for Sides<'a> {
-    fn from(side: SideOf<'a>) -> Self {
-        Self(vec![side])
+impl<'a, R: Into<Region<'a>>> From<R> for Sides<'a> {
+    fn from(side: R) -> Self {
+        Self(vec![side.into()])
     }
 }
 
-impl<'a, const K: usize> From<[SideOf<'a>; K]> for Sides<'a> {
-    fn from(sides: [SideOf<'a>; K]) -> Self {
-        Self(sides.into())
+impl<'a, R: Into<Region<'a>>, const K: usize> From<[R; K]> for Sides<'a> {
+    fn from(sides: [R; K]) -> Self {
+        Self(sides.into_iter().map(Into::into).collect())
     }
 }
 
-impl<'a> From<Vec<SideOf<'a>>> for Sides<'a> {
-    fn from(sides: Vec<SideOf<'a>>) -> Self {
-        Self(sides)
+impl<'a, R: Into<Region<'a>>> From<Vec<R>> for Sides<'a> {
+    fn from(sides: Vec<R>) -> Self {
+        Self(sides.into_iter().map(Into::into).collect())
     }
 }

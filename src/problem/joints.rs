@@ -22,7 +22,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         near: Option<Near>,
     ) -> Result<Statement, ProblemError> {
         let masters = self.sides(masters.into())?;
-        let slaves: Vec<_> = slaves.into().0.into_iter().map(|side| self.side(side)).collect::<Result<_, _>>()?;
+        let slaves: Vec<_> = slaves.into().0.into_iter().map(|side| self.sides_of(side)).collect::<Result<_, _>>()?;
+        let slaves = slaves.concat();
         let of = self.statement();
         self.gluings.extend(slaves.into_iter().map(|slave| Gluing { of, slave, masters: masters.clone(), near }));
         Ok(of)

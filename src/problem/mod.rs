@@ -88,6 +88,7 @@ mod said;
 mod seam_edges;
 mod side;
 mod side_field;
+mod side_force;
 mod sizes;
 mod slave_spaces;
 mod solution;

@@ -45,6 +45,8 @@ pub struct PointState<const N: usize> {
     pub u: [f64; 3],
     /// xx yy zz xy yz xz [force/area]; Poisson: k grad u in the first entries.
     pub stress: [f64; 6],
+    /// Strains xx yy zz xy yz xz, eps_xy = (du_x/dy + du_y/dx) / 2; of bodies of revolution rr, zz, the hoop strain, rz; Poisson: zero.
+    pub strain: [f64; 6],
 }
 
 /// A field on the elements of a body that does not come from its unknowns.
@@ -294,11 +296,17 @@ impl<const N: usize> Physics<N> {
                     x: s.x,
                     u: [s.value[0], 0.0, 0.0],
                     stress: std::array::from_fn(|k| if k < N { s.stress[(0, k)] } else { 0.0 }),
+                    strain: [0.0; 6],
                 })
                 .collect(),
             Self::Vector(m) => physics::stress_at::<N, N, f64, _, _>(space, &**m, &u[field.first..], element, xi)
                 .into_iter()
-                .map(|s| PointState { x: s.x, u: std::array::from_fn(|k| if k < N { s.value[k] } else { 0.0 }), stress: s.spatial })
+                .map(|s| PointState {
+                    x: s.x,
+                    u: std::array::from_fn(|k| if k < N { s.value[k] } else { 0.0 }),
+                    stress: s.spatial,
+                    strain: s.strain,
+                })
                 .collect(),
         }
     }

@@ -8,7 +8,7 @@ use super::model::{BodyRim, BodySide};
 use super::regions::RegionPart;
 use crate::assembly::{Halved, HalvedScratch};
 use crate::basis::{Cell, Order};
-use crate::geometry::{Embedding, MapTable, cell, circumference};
+use crate::geometry::{MapTable, cell, circumference};
 use crate::linalg::{Matrix, Vector};
 use crate::space::SideError;
 use std::sync::Arc;
@@ -38,11 +38,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let space = &*whole.trace.space;
         let mut table = MapTable::new();
         // facets by shape of cell: meshes may have both
-        let mut facets: [Vec<Embedding<S, N>>; 2] = [Vec::new(), Vec::new()];
+        let mut facets: [Vec<usize>; 2] = [Vec::new(), Vec::new()];
         for e in 0..space.num_elements() {
             space.map(e, &[cell::center(space.cell(e))], Order::Values, &mut table);
             if keep(&table.x[0]) {
-                facets[usize::from(space.cell(e) == Cell::Simplex)].push(whole.trace.facets[e]);
+                facets[usize::from(space.cell(e) == Cell::Simplex)].push(e);
             }
         }
         let (kind, facets) = match facets {
@@ -51,9 +51,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             [a, b] if a.is_empty() => (Cell::Simplex, b),
             _ => return Err(ProblemError::named(ErrorKind::MixedCells, &[&whole.label])),
         };
-        let body = &self.bodies[whole.patch];
-        let refused = |error| ProblemError::named(ErrorKind::Side(error), &[&body.name]);
-        let trace = self.compiled.side(body.body.space(), facets, kind).map_err(refused)?;
+        let (body, trace) = (&self.bodies[whole.patch], self.compiled.part(&whole.trace, &facets, kind));
         let label = format!("{} where {what}", whole.label);
         let part = BodySide::of_trace(body, whole.patch, side.name, label, trace);
         Ok(Some(self.new_region(vec![RegionPart::Side(Arc::new(part))])))
@@ -169,9 +167,12 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok((0..whole.trace.space.num_elements()).map(|e| halved.element(e, &mut scratch, &share)[0]).sum())
     }
 
-    /// The sides of a region without edges and corners.
-    pub(super) fn only_sides(&mut self, on: Region<'_>) -> Result<Vec<Arc<BodySide<S, N>>>, ProblemError> {
-        let pieces = self.pieces(on)?;
+    /// The sides of a region.
+    ///
+    /// # Errors
+    /// Those of [`region`](Self::region), [`ErrorKind::NotASide`] for one of edges or corners.
+    pub fn sides_of<'a>(&mut self, on: impl Into<Region<'a>>) -> Result<Vec<Arc<BodySide<S, N>>>, ProblemError> {
+        let pieces = self.pieces(on.into())?;
         let side = |piece: RegionPart<S, N>| match piece {
             RegionPart::Side(side) => Ok(side),
             RegionPart::Rim(rim) => Err(ProblemError::named(ErrorKind::NotASide, &[&rim.label])),

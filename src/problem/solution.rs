@@ -141,6 +141,17 @@ impl<const S: usize, const N: usize> Solution<S, N> {
         self.inner.reaction(on.into())
     }
 
+    /// Force of the stresses on the sides of a region and its moment about the origin, ∫ sigma n ds with n out of the body: what lies beyond
+    /// the sides does to it. It converges with the mesh; loads, reactions, ties and contacts know their forces exactly. Of conduction the
+    /// flux ∫ k du/dn ds.
+    ///
+    /// # Errors
+    /// [`ProblemError`] for a side that does not exist, for a region that was made after the system, and
+    /// [`ErrorKind::NotASide`](super::ErrorKind::NotASide) for one of edges or corners.
+    pub fn force<'a>(&self, on: impl Into<Region<'a>>) -> Result<Resultant, ProblemError> {
+        self.inner.force(on.into())
+    }
+
     /// Doubts about the solution: large strains, moments that are lost, coarse zones, inexact interfaces, rounding.
     pub fn warnings(&self) -> Vec<Warning> {
         self.inner.warnings()

@@ -7,16 +7,16 @@ use super::contact_zone::HalfWidth;
 use super::data::Exact;
 use super::error::{ErrorKind, ProblemError};
 use super::extremes::Extreme;
-use super::handles::{BodyId, ContactId, InterfaceId, Region, TieId};
+use super::handles::{BodyId, ContactId, InterfaceId, Region, RegionId, SideOf, TieId};
 use super::identity::Identity;
 use super::interface_results::{ContactResult, TieResult};
 use super::lambda_error::SquaredError;
 use super::lambda_field::LambdaField;
 use super::matrices::Matrices;
-use super::model::{BodyModel, ContactModel, ContactPart, Model, Opposing, TieModel};
+use super::model::{BodyModel, BodySide, ContactModel, ContactPart, Model, Opposing, TieModel};
 use super::physics::{OtherField, Physics, PointState};
 use super::reactions::{Reaction, reactions};
-use super::regions::Regions;
+use super::regions::{RegionPart, Regions};
 use super::resultant::Resultant;
 use super::state::StepState;
 use super::warnings::Warning;
@@ -39,6 +39,7 @@ pub(super) trait State<const S: usize, const N: usize>: Debug + Send + Sync {
     fn tie(&self, tie: TieId) -> Result<TieResult, ProblemError>;
     fn contact(&self, contact: ContactId) -> Result<ContactResult<N>, ProblemError>;
     fn reaction(&self, on: Region<'_>) -> Result<Vec<f64>, ProblemError>;
+    fn force(&self, on: Region<'_>) -> Result<Resultant, ProblemError>;
     fn reactions(&self) -> &[Reaction<S, N>];
     fn balance(&self) -> Resultant;
     fn energy(&self) -> f64;
@@ -138,13 +139,10 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
     fn reaction(&self, on: Region<'_>) -> Result<Vec<f64>, ProblemError> {
         let number = match on {
             Region::Side(side) => {
-                let patch = self.patch(side.body)?;
-                let refused = |error| ProblemError::new(ErrorKind::Side(error), vec![side.body.into()], vec![patch.name.clone()]);
-                patch.body.trace(side.name).map_err(refused)?;
+                self.made(side)?;
                 self.common.regions.known(side.body.number, side.name)
             }
-            Region::Made(region) if self.common.identity.knows(region) && region.number < self.common.regions.len() => Some(region.number),
-            Region::Made(_) => return Err(other_problem()),
+            Region::Made(region) => Some(self.known(region)?),
         };
         let mut sum = vec![0.0; self.common.model.components];
         let Some(number) = number else { return Ok(sum) };
@@ -155,6 +153,22 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
             }
         }
         Ok(sum)
+    }
+
+    fn force(&self, on: Region<'_>) -> Result<Resultant, ProblemError> {
+        let (model, state) = (&self.common.model, &self.state);
+        let pieces = match on {
+            Region::Side(side) => return Ok(model.force_through([&self.made(side)?], state)),
+            Region::Made(region) => self.common.regions.pieces(self.known(region)?),
+        };
+        let mut sides = Vec::with_capacity(pieces.len());
+        for piece in pieces {
+            match piece {
+                RegionPart::Side(side) => sides.push(&**side),
+                RegionPart::Rim(rim) => return Err(ProblemError::named(ErrorKind::NotASide, &[&rim.label])),
+            }
+        }
+        Ok(model.force_through(sides, state))
     }
 
     fn reactions(&self) -> &[Reaction<S, N>] {
@@ -225,6 +239,19 @@ impl<const S: usize, const N: usize> Solved<S, N> {
     fn patch(&self, body: BodyId) -> Result<&BodyModel<S, N>, ProblemError> {
         // a body may have been added after the system was made
         self.common.model.patches.get(body.number).filter(|_| self.common.identity.knows(body)).ok_or_else(other_problem)
+    }
+
+    /// A side of a body.
+    fn made(&self, side: SideOf<'_>) -> Result<BodySide<S, N>, ProblemError> {
+        let patch = self.patch(side.body)?;
+        let refused = |error| ProblemError::new(ErrorKind::Side(error), vec![side.body.into()], vec![patch.name.clone()]);
+        BodySide::new(patch, side.body.number, side.name, side.name.to_owned()).map_err(refused)
+    }
+
+    /// Number of a region that was made before the system.
+    fn known(&self, region: RegionId) -> Result<usize, ProblemError> {
+        let there = self.common.identity.knows(region) && region.number < self.common.regions.len();
+        if there { Ok(region.number) } else { Err(other_problem()) }
     }
 
     /// Reactions, and the sum of all external forces: of loads, obstacles and supports.

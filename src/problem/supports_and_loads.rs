@@ -91,7 +91,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 
     /// Conditions where the normal is an axis, equations elsewhere.
     fn sliding(&mut self, on: Region<'_>, along_normal: bool) -> Result<Statement, ProblemError> {
-        let sides = self.only_sides(on)?;
+        let sides = self.sides_of(on)?;
         let mut normals = Vec::with_capacity(sides.len());
         for side in &sides {
             if side.field.components == 1 {
@@ -156,7 +156,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         component: usize,
         traction: impl Into<Value>,
     ) -> Result<Statement, ProblemError> {
-        let (sides, component) = (self.only_sides(on.into())?, self.component(component)?);
+        let (sides, component) = (self.sides_of(on)?, self.component(component)?);
         let action = match traction.into() {
             Value::Zero => Action::Traction(component, 0.0.into()),
             Value::Data(f) => Action::Traction(component, f),
@@ -170,7 +170,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// # Errors
     /// [`ErrorKind::Side`], [`ErrorKind::NotASide`], [`ErrorKind::Scalar`], [`ErrorKind::OtherProblem`].
     pub fn pressure<'a>(&mut self, on: impl Into<Region<'a>>, pressure: impl Into<Data>) -> Result<Statement, ProblemError> {
-        let sides = self.only_sides(on.into())?;
+        let sides = self.sides_of(on)?;
         if let Some(side) = sides.iter().find(|s| s.field.components == 1) {
             return Err(ProblemError::named(ErrorKind::Scalar, &[&side.label]));
         }
@@ -219,7 +219,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         component: usize,
         stiffness: impl Into<Data>,
     ) -> Result<Statement, ProblemError> {
-        let (sides, component, stiffness) = (self.only_sides(on.into())?, self.component(component)?, stiffness.into());
+        let (sides, component, stiffness) = (self.sides_of(on)?, self.component(component)?, stiffness.into());
         let of = self.statement();
         for side in sides {
             self.said.springs.push(SideSpring { of, name: side.label.clone(), side, component, stiffness: stiffness.clone() });
@@ -233,7 +233,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// Those of [`fix`](Self::fix), and [`ErrorKind::NotASide`].
     pub fn rigid<'a>(&mut self, on: impl Into<Region<'a>>, component: usize, force: impl Into<Data>) -> Result<Statement, ProblemError> {
         let region = on.into();
-        let sides = self.only_sides(region)?;
+        let sides = self.sides_of(region)?;
         let of = self.force(region, component, force)?;
         // functions of a side sum to one: equal coefficients are a constant
         let mut unknowns: Vec<usize> =

@@ -68,6 +68,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             reach: None,
             start: Start::default(),
             symmetry: false,
+            adjust: false,
             motion: Vec::new(),
             forces: Vec::new(),
         };

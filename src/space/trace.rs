@@ -75,6 +75,21 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
         Ok(Self { space: Arc::new(FunctionSpace { basis, geometry }), dofs, facets, outward })
     }
 
+    /// The part of the side on `elements`, all of the shape `kind`: the functions that do not vanish there, with the polynomials of the side.
+    pub fn part(&self, elements: &[usize], kind: Cell) -> Self {
+        let whole = |&element: &usize| Embedding { element, origin: Vector::zeros(), axes: Matrix::<S, S, T>::identity() };
+        let cells: Vec<Embedding<S, S, T>> = elements.iter().map(whole).collect();
+        let corners = corner_ids(&*self.space, &cells, kind);
+        let restrict = || Embedded::new(Arc::clone(&self.space), cells.clone(), kind).with_corners(corners.clone());
+        let (basis, kept) = restrict().restricted();
+        Self {
+            space: Arc::new(FunctionSpace { basis, geometry: restrict() }),
+            dofs: kept.into_iter().map(|function| self.dofs[function]).collect(),
+            facets: elements.iter().map(|&e| self.facets[e]).collect(),
+            outward: elements.iter().map(|&e| self.outward[e]).collect(),
+        }
+    }
+
     /// Replaces the space on the elements of the side, for instance by a [`Deformed`](super::Deformed) one.
     ///
     /// # Panics
@@ -203,9 +218,9 @@ fn check_by_leaving<const S: usize, const N: usize, T: Real>(
 }
 
 /// Corner ids of facets: coinciding corners have the same id.
-fn corner_ids<const S: usize, const N: usize, T: Real>(
-    body: &dyn Space<N, N, T>,
-    facets: &[Embedding<S, N, T>],
+fn corner_ids<const S: usize, const D: usize, const N: usize, T: Real>(
+    body: &dyn Space<D, N, T>,
+    facets: &[Embedding<S, D, T>],
     kind: Cell,
 ) -> Vec<Vec<usize>> {
     let mut table = MapTable::new();

@@ -62,7 +62,7 @@ where
             return Some(found);
         }
         let (u, stress) = (std::array::from_fn(|c| sum(&|p| p.u[c])), std::array::from_fn(|c| sum(&|p| p.stress[c])));
-        Some(PointState { x: found.x, u, stress })
+        Some(PointState { x: found.x, u, stress, strain: std::array::from_fn(|c| sum(&|p| p.strain[c])) })
     }
 
     /// The value of a quantity that bodies have; `None` for those of ties and contacts.

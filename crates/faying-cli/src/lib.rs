@@ -25,6 +25,7 @@ pub mod formula;
 pub mod infsup;
 pub mod inspect;
 mod json;
+mod lines;
 pub mod lower;
 mod null_out;
 pub mod output;

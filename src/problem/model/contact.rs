@@ -5,7 +5,8 @@ use crate::basis::Basis;
 use crate::contact::{Cone, ContactMethod, ContactRows};
 use crate::coupling::Segments;
 use crate::coupling::consistency::ConsistencyEstimate;
-use crate::problem::data::Data;
+use crate::linalg::Vector;
+use crate::problem::data::{Data, Point};
 use crate::problem::handles::ContactId;
 use crate::problem::obstacle::MovingObstacle;
 use crate::problem::start::Start;
@@ -53,6 +54,8 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub masters: Vec<Arc<BodySide<S, N>>>,
     /// Rows, offsets and weights at the first time at which a point of the side faces the opponent.
     pub first: ContactRows<S, N>,
+    /// Largest gap or overlap at rest that facets explain and the contact closes \[length\].
+    pub closes: f64,
     /// Whether they change with the time.
     pub changes: bool,
     /// First row in the system.
@@ -98,4 +101,12 @@ pub struct ContactModel<const S: usize, const N: usize> {
     pub start: Start,
     /// The method by which it is enforced.
     pub method: Arc<dyn ContactMethod<S, N>>,
+}
+
+impl<const S: usize, const N: usize> ContactModel<S, N> {
+    /// The gap at `x` for the geometric gap `g` \[length\], of which up to `closes` is none.
+    pub fn wanted(&self, x: &Vector<N>, t: f64, g: f64, closes: f64) -> f64 {
+        let g = if g.abs() <= closes { 0.0 } else { g };
+        self.gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g))
+    }
 }

@@ -26,6 +26,18 @@ pub(super) fn widest<const S: usize, const N: usize>(sags: &[Sag<S, N>], floor: 
     (4.0 * sags.iter().map(Sag::greatest).fold(0.0, f64::max)).max(2.0 * floor)
 }
 
+/// Largest gap or overlap of two sides, or of a side and an obstacle, that their facets explain \[length\]: twice the sum of the greatest
+/// sags of both, and no less than what counts as zero.
+pub fn explained<const S: usize, const N: usize>(
+    patches: &[BodyModel<S, N>],
+    slave: &Arc<BodySide<S, N>>,
+    masters: &[Arc<BodySide<S, N>>],
+) -> f64 {
+    let of = |side: &Arc<BodySide<S, N>>| sag(patches, side).greatest();
+    let all: Vec<_> = std::iter::once(slave).chain(masters).cloned().collect();
+    (2.0 * (of(slave) + masters.iter().map(of).fold(0.0, f64::max))).max(floor(&all))
+}
+
 /// Diagonal of the box around all `boxes` \[length\].
 pub(super) fn size<const N: usize>(boxes: impl Iterator<Item = Bounds<N>>) -> f64 {
     boxes.reduce(|a, b| a.union(&b)).map_or(0.0, |b| b.diagonal())

@@ -11,7 +11,6 @@
 //! so that sides that touch only in part, as in Hertz' problem, are excluded: there the gap grows beyond any sag.
 
 use super::warning::{Subject, Warning};
-use crate::problem::Point;
 use crate::problem::model::{ContactModel, ContactPart, Model};
 use crate::problem::touching::sag;
 
@@ -49,7 +48,7 @@ fn of_part<const S: usize, const N: usize>(
     let (segments, frames) = (&part.first.segments, &part.first.frames);
     let (mut sum, mut size, mut largest) = (0.0, 0.0, 0.0f64);
     for ((x, &gap), &ds) in frames.x.iter().zip(&frames.gap).zip(&segments.ds) {
-        let gap = contact.gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(gap)).abs();
+        let gap = contact.wanted(x, t, gap, part.closes).abs();
         sum += ds * gap;
         size += ds;
         largest = largest.max(gap);

@@ -6,7 +6,6 @@ use super::warning::{Subject, Warning};
 use crate::basis::Order;
 use crate::geometry::{ClosestPoint, MapTable, cell, unit_normal};
 use crate::linalg::{Matrix, Vector};
-use crate::problem::Point;
 use crate::problem::model::{ContactModel, ContactPart, Model, Opposing};
 use crate::problem::state::StepState;
 use std::sync::Arc;
@@ -51,7 +50,7 @@ fn places<const S: usize, const N: usize>(
             let normal = unit_normal(jacobian, slave.outward[element]);
             let hit = closest.project(x)?;
             let distance = hit.distance * (hit.x - x).dot(&normal).signum();
-            Some(contact.gap.value(&Point::new(x.as_slice()).at_time(state.t).with_gap(distance)))
+            Some(contact.wanted(x, state.t, distance, part.closes))
         };
         let least = table.x.iter().zip(&table.jacobian).filter_map(gap).fold(f64::INFINITY, f64::min);
         if least <= closes {

@@ -17,7 +17,6 @@ use crate::basis::Order;
 use crate::contact::{ContactRows, opposed};
 use crate::geometry::{ClosestPoint, MapTable};
 use crate::linalg::Vector;
-use crate::problem::Point;
 use crate::problem::integrate::on_trace;
 use crate::problem::model::{ContactModel, ContactPart, Model, Opposing};
 use crate::problem::state::StepState;
@@ -105,7 +104,7 @@ fn closed<const S: usize, const N: usize>(
         for (k, q) in points.enumerate() {
             let (x, normal) = (frames.x[q], frames.normal[q]);
             let vector = |v: &[f64; 3]| Vector::<N>::from_fn(|c, _| v[c]);
-            let wanted = contact.gap.value(&Point::new(x.as_slice()).at_time(state.t).with_gap(frames.gap[q]));
+            let wanted = contact.wanted(&x, state.t, frames.gap[q], part.closes);
             let (shift, gives_way) = (vector(&own[k]) - vector(&other[k]), vector(&other[k]).dot(&normal));
             found.push(Closed { x, normal, gap: wanted, shift, gives_way, ds: s.ds[q] });
         }

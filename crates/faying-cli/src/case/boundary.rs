@@ -90,7 +90,7 @@ impl Reader {
     }
 
     /// `where`, which is asked once.
-    fn filter(&mut self, b: &Block) -> Option<Located<Formula>> {
+    pub(super) fn filter(&mut self, b: &Block) -> Option<Located<Formula>> {
         let filter = self.formula(b, "where", Uses::Space)?;
         if filter.value.depends_on_time() {
             let message = "`where` must not depend on t: its facets are chosen once".to_owned();

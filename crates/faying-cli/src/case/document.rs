@@ -1,5 +1,6 @@
 //! The whole document, block by block, and what is compared between blocks.
 
+use super::boundary::Read;
 use super::reader::{Block, Reader, Sign};
 use super::tree::{Node, Table, Value};
 use super::types::*;
@@ -45,14 +46,11 @@ impl Reader {
         let steps = written.flatten().unwrap_or_else(|| self.steps(None));
         let solver = self.section(&mut root, "solver", rows::SOLVER, false, Self::solver).unwrap_or(case.solver);
         let probes = self.list(&mut root, "probe", rows::PROBE, Self::probe);
+        let lines = self.list(&mut root, "line", rows::LINE, Self::line);
         let checks = self.list(&mut root, "check", rows::CHECK, Self::check);
         let studies = self.studies(root.node("study").cloned().as_ref());
 
-        self.unique("boundary", &read.iter().map(|b| b.boundary.name.clone()).collect::<Vec<_>>());
-        let couples = interfaces.iter().map(|t| t.name.clone()).chain(contacts.iter().map(|c| c.name.clone()));
-        self.unique("interface or contact", &couples.collect::<Vec<_>>());
-        self.unique("probe", &probes.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
-        self.unique("check", &checks.iter().map(|c| c.name.clone()).collect::<Vec<_>>());
+        self.names_once(&read, (&interfaces, &contacts), (&probes, &lines, &checks));
         let [joints, parted] = self.kept_joints(&interfaces, &contacts, &patches);
         let meetings = self.kept_meetings(&interfaces, &contacts, &patches);
         // joints separated by a list of `between` are tied again and are no outer sides
@@ -87,6 +85,7 @@ impl Reader {
             steps,
             solver,
             probes,
+            lines,
             checks,
             studies,
             effective: String::new(),
@@ -95,6 +94,17 @@ impl Reader {
         case.fields = self.shown_fields(&shown, &case);
         case.effective = self.effective(root);
         case
+    }
+
+    /// Checks that names are unique within their kind, interfaces and contacts together (E016).
+    fn names_once(&mut self, read: &[Read], (ties, contacts): (&[Tie], &[Contact]), asked: (&[Probe], &[Line], &[Check])) {
+        let (probes, lines, checks) = asked;
+        self.unique("boundary", &read.iter().map(|b| b.boundary.name.clone()).collect::<Vec<_>>());
+        let couples = ties.iter().map(|t| t.name.clone()).chain(contacts.iter().map(|c| c.name.clone()));
+        self.unique("interface or contact", &couples.collect::<Vec<_>>());
+        self.unique("probe", &probes.iter().map(|p| p.name.clone()).collect::<Vec<_>>());
+        self.unique("line", &lines.iter().map(|l| l.name.clone()).collect::<Vec<_>>());
+        self.unique("check", &checks.iter().map(|c| c.name.clone()).collect::<Vec<_>>());
     }
 
     /// The text of the case with every default written out.
@@ -235,6 +245,7 @@ impl Case {
                 max_iterations: None,
             },
             probes: Vec::new(),
+            lines: Vec::new(),
             checks: Vec::new(),
             studies: Vec::new(),
             effective: String::new(),

@@ -130,8 +130,6 @@ pub(super) enum Plain {
     Never,
     /// Zero: a number, a formula of constants, or a list or table of them.
     Zero,
-    /// `false`.
-    Off,
     /// The accepted words, and the other words of the language.
     Words(&'static [&'static str], &'static [&'static str]),
 }

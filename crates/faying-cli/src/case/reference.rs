@@ -90,7 +90,7 @@ pub fn values(key: &Key, names: &Names) -> String {
         Special::Name => "a name of letters, digits, `_`, `-`".to_owned(),
         Special::FormulaOf(Uses::Gap) => "a number, or a quoted formula of g, x, y, z, t".to_owned(),
         Special::FormulaOf(Uses::Time) => "a number, or a quoted formula of t".to_owned(),
-        Special::FormulaOf(Uses::Check) => "a number, or a quoted formula of constants and quantities".to_owned(),
+        Special::FormulaOf(Uses::Check) => "a number, or a quoted formula of t, constants and quantities".to_owned(),
         Special::FormulaOf(Uses::Space) => "a number, or a quoted formula".to_owned(),
         Special::Numbers => "a list of numbers".to_owned(),
         Special::Pair => "two numbers".to_owned(),
@@ -120,7 +120,6 @@ pub fn values(key: &Key, names: &Names) -> String {
         Special::Only(words, _) => (*words).to_owned(),
         Special::Later(Plain::Never, _) => "none in this version".to_owned(),
         Special::Later(Plain::Zero, _) => "0; other values are not in this version".to_owned(),
-        Special::Later(Plain::Off, _) => "false; true is not in this version".to_owned(),
         Special::Later(Plain::Words(words, others), _) => format!("{}; not in this version: {}", quoted(words), quoted(others)),
     }
 }

@@ -33,20 +33,20 @@ fn rest(patches: &mut [Patch], used: &HashSet<SideRef>, dimension: usize) -> Vec
 impl Reader {
     /// Checks that a side is slave once, and never its own master, and that two sides are coupled once, in one direction (E026).
     pub fn slaves(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) {
-        let mut first: BTreeMap<(usize, &str), SourceSpan> = BTreeMap::new();
+        let mut first: BTreeMap<(usize, &str), (SourceSpan, bool)> = BTreeMap::new();
         let none: &[Located<SideRef>] = &[];
-        let ties = interfaces.iter().map(|t| ("interface", &t.name.value, &t.slave[..], &t.master[..]));
+        let ties = interfaces.iter().map(|t| ("interface", &t.name.value, &t.slave[..], &t.master[..], t.filter.is_some()));
         let all: Vec<_> = ties
             .chain(contacts.iter().map(|c| {
                 let master = match &c.master {
                     Master::Sides(sides) => &sides[..],
                     Master::Rigid(_) => none,
                 };
-                ("contact", &c.name.value, &c.slave[..], master)
+                ("contact", &c.name.value, &c.slave[..], master, c.filter.is_some())
             }))
             .collect();
-        for (k, &(kind, name, slave, master)) in all.iter().enumerate() {
-            for &(other_kind, other, other_slave, other_master) in &all[..k] {
+        for (k, &(kind, name, slave, master, _)) in all.iter().enumerate() {
+            for &(other_kind, other, other_slave, other_master, _) in &all[..k] {
                 let twice = slave.iter().find_map(|s| {
                     let before = other_slave.iter().find(|o| master.contains(o) && other_master.contains(s))?;
                     Some((s, before))
@@ -62,24 +62,26 @@ impl Reader {
                 self.fault("E026", s.at, message, "two sides are coupled once: drop one of the two blocks");
             }
         }
-        for (_, _, slave, master) in all {
+        for (_, _, slave, master, is_part) in all {
             for s in slave {
                 let name = show(s, patches);
                 if master.contains(s) {
                     self.fault("E026", s.at, format!("`{name}` is its own master"), "name the side on the other body as master");
                 }
                 match first.get(&(s.patch, s.side.as_str())) {
-                    Some(at) => {
+                    // parts with common facets are found where they are built
+                    Some((_, true)) if is_part => {}
+                    Some((at, _)) => {
                         let message = format!("`{name}` is slave twice: {} and {}", line(*at), line(s.at));
                         self.fault(
                             "E026",
                             s.at,
                             message,
-                            "a side carries one multiplier: cut it, a patch or a group of the mesh per partner, or exchange slave and master",
+                            "a side carries one multiplier: cut it, by `where`, a patch or a group of the mesh per partner, or exchange slave and master",
                         );
                     }
                     None => {
-                        first.insert((s.patch, &s.side), s.at);
+                        first.insert((s.patch, &s.side), (s.at, is_part));
                     }
                 }
             }

@@ -1,7 +1,7 @@
 //! Reads `[[probe]]`, `[[check]]` and `[study.*]`.
 
 use super::key::KeyKind;
-use super::reader::{Block, Reader, Uses};
+use super::reader::{Block, Reader, Sign, Uses};
 use super::rows;
 use super::tree::{Node, Value};
 use super::types::*;
@@ -21,7 +21,38 @@ impl Reader {
 
     /// One `[[probe]]`.
     pub fn probe(&mut self, b: &mut Block, index: usize) -> Probe {
-        Probe { head: b.head(), name: self.name(b, "probe", index), quantity: self.quantity(b) }
+        Probe { head: b.head(), name: self.name(b, "probe", index), quantity: self.quantity(b), t: self.asked_steps(b) }
+    }
+
+    /// `t`: a time, or "all".
+    fn asked_steps(&mut self, b: &Block) -> Option<Located<AskedSteps>> {
+        let node = b.node("t").cloned()?;
+        let steps = match &node.value {
+            Value::Text(word) if word == "all" => AskedSteps::All,
+            Value::Integer(_) | Value::Float(_) => AskedSteps::At(self.number_of(&node, "t", Sign::Any)?),
+            _ => {
+                self.wrong_type(&node, "t", "a time of [steps], or \"all\"", "write t = 0.5");
+                return None;
+            }
+        };
+        Some(Located::new(steps, node.at))
+    }
+
+    /// One `[[line]]`.
+    pub fn line(&mut self, b: &mut Block, index: usize) -> Line {
+        let name = self.name(b, "line", index);
+        let node = self.required(b, "quantity");
+        let items = match node.as_ref().map(|n| &n.value) {
+            Some(Value::List(items)) => items.clone(),
+            _ => node.into_iter().collect(),
+        };
+        let quantities: Vec<Located<String>> = items.iter().filter_map(|item| self.text_of(item, "quantity")).collect();
+        let (from, to) = (self.required_vector(b, "from"), self.required_vector(b, "to"));
+        if from.value == to.value {
+            self.fault("E015", to.at, "the line has no length: `from` and `to` are one point", "write a [[probe]] for a point");
+        }
+        let n = self.whole(b, "n");
+        Line { head: b.head(), name, quantities, from, to, n }
     }
 
     /// One `[[check]]`.
@@ -55,7 +86,8 @@ impl Reader {
             Some(Located::new(value, node.at))
         });
         let over_all = self.optional_word(b, "over", &[()]);
-        Check { head: b.head(), name, quantity, condition, backend, over_all }
+        let t = self.asked_steps(b);
+        Check { head: b.head(), name, quantity, condition, backend, over_all, t }
     }
 
     fn tolerance(&mut self, b: &Block, key: &str) -> Option<Located<Formula>> {

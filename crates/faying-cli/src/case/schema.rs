@@ -115,7 +115,6 @@ fn of_kind(key: &Key, names: &Names) -> Value {
         Special::Obstacle => defined("obstacle"),
         Special::Only(_, schema) => serde_json::from_str(schema).unwrap_or_else(|e| panic!("the schema of `{}`: {e}", key.name)),
         Special::Later(Plain::Zero, _) => json!({"type": "number", "minimum": 0, "maximum": 0}),
-        Special::Later(Plain::Off, _) => json!({"const": false}),
         Special::Later(Plain::Words(words, _), _) => json!({"enum": words}),
         Special::Later(Plain::Never, _) => json!(false),
     }

@@ -28,6 +28,10 @@ impl Reader {
             self.required(b, key).map_or(Vec::new(), |node| self.sides(&node, key, patches))
         };
         let (slave, master) = (side("slave"), side("master"));
+        if b.has("between") && b.has("where") {
+            self.fault("E015", b.key_at("where"), "`where` does not stand beside `between`", "name slave and master");
+        }
+        let filter = self.filter(b);
         let coupling = self.entry_name(b, "coupling");
         let multiplier = self.multiplier(b);
         let integration = self.integration(b);
@@ -39,6 +43,7 @@ impl Reader {
             head: b.head(),
             name,
             slave,
+            filter,
             master,
             between,
             coupling,
@@ -65,6 +70,7 @@ impl Reader {
             self.fault("E015", b.at, "[[contact]] needs physics = \"elasticity\", the physics here is poisson", "");
         }
         let slave = self.required(b, "slave").map_or(Vec::new(), |node| self.sides(&node, "slave", patches));
+        let filter = self.filter(b);
         let master = self.master(b, patches);
         let node = self.value_of(b, "gap");
         let gap = self.formula_of(&node, "gap", Uses::Gap).unwrap_or_else(|| Located::new(Formula::constant(0.0), b.at));
@@ -87,11 +93,19 @@ impl Reader {
         let given = self.entry(b, "method", &method.value, &self.known.method_keys());
         let exact = self.formula(b, "exact", Uses::Space);
         let symmetry = self.flag(b, "symmetry");
+        let adjust = self.flag(b, "adjust");
+        if let (true, Master::Rigid(obstacle)) = (adjust.value, &master) {
+            if obstacle.value.translate.iter().chain(&obstacle.value.force).any(Option::is_some) {
+                let message = "`adjust` closes gaps at rest, and the obstacle moves: its motion would be closed, too";
+                self.fault("E015", adjust.at, message, "leave `adjust` or the motion of the obstacle out");
+            }
+        }
         let active_set = self.active_set(b);
         Contact {
             head: b.head(),
             name,
             slave,
+            filter,
             master,
             gap,
             method,
@@ -104,6 +118,7 @@ impl Reader {
             reach,
             exact,
             symmetry,
+            adjust,
             active_set,
         }
     }

@@ -1,8 +1,10 @@
 //! The files of a run: their names and contents.
 
+use crate::case::Units;
 use crate::errors::{Diagnostic, Diagnostics};
+use crate::lines;
 use crate::plot::{self, FieldPlot, IterationPlot, IterationStep, SidePlot, SlaveCurve, SurfaceQuantity};
-use crate::result::{ActiveSetSummary, StepReport};
+use crate::result::{ActiveSetSummary, LineReport, StepReport};
 use crate::table;
 use crate::{Output, Panel, RunResult, SideOutput, SidePart};
 
@@ -152,4 +154,26 @@ pub fn active_set(title: &str, result: &RunResult, trouble: &mut Diagnostics) ->
             None
         }
     }
+}
+
+/// The files of lines: `title` of the pictures, `runs` with their labels.
+pub fn lines(
+    (title, units): (&str, &Units),
+    runs: &[(String, &[LineReport])],
+    with_pictures: bool,
+    trouble: &mut Diagnostics,
+) -> Vec<OutputFile> {
+    let mut files = Vec::new();
+    for line in lines::by_name(runs) {
+        let Some(name) = line.first().map(|(_, line)| format!("line_{}", line.name)) else { continue };
+        files.push(OutputFile { name: format!("{name}.csv"), bytes: lines::csv(&line).into_bytes() });
+        if !with_pictures {
+            continue;
+        }
+        match lines::svg(title, units, &line) {
+            Ok(svg) => files.push(OutputFile { name: format!("{name}.svg"), bytes: svg.into_bytes() }),
+            Err(why) => trouble.push(Diagnostic::warning("E091", format!("`{name}.svg` was not written: {why}"))),
+        }
+    }
+    files
 }

@@ -146,6 +146,8 @@ impl Job<'_> {
         let history = drawn.and_then(|output| files::active_set(&output.title, &result, &mut trouble));
         let mut shown = output.map(|output| files::of(&output, alone, self.pictures, &mut trouble)).unwrap_or_default();
         shown.extend(history);
+        let case = &self.results.loaded.case;
+        shown.extend(files::lines((&case.title.value, &case.units), &[(String::new(), &result.lines)], self.pictures, &mut trouble));
         if !result.steps.is_empty() {
             shown.push(OutputFile { name: "history.csv".to_owned(), bytes: history::csv(&result).into_bytes() });
         }

@@ -38,6 +38,9 @@ pub fn html(result: &RunResult, loaded: &Loaded, shown: &[OutputFile], messages:
         section(&mut page, "Loads and reactions", &[summary::loads(result), reactions(result), balance(result)]);
         section(&mut page, "Errors", &[summary::errors(result)]);
     }
+    for line in &result.lines {
+        picture(&mut page, &format!("line_{}.svg", line.name), &format!("Line {}", line.name));
+    }
     section(&mut page, "Steps", &[summary::steps(result)]);
     iterations(&mut page, result);
     picture(&mut page, "active_set.svg", "Active rows, and rows that violate the contact conditions, in every iteration");

@@ -177,12 +177,18 @@ fn written(results: &Results<'_>, study: &Study, kept: Option<&StoredRows>) -> E
     clock.hear(Progress::Phase("write"));
     let svg = picture(study);
     let mut files = vec![
-        ("study.csv", study.csv()),
-        (ROWS, study.stored.clone()),
-        ("report.html", html(study, svg.as_deref().ok(), &shown(results.words))),
+        ("study.csv".to_owned(), study.csv()),
+        (ROWS.to_owned(), study.stored.clone()),
+        ("report.html".to_owned(), html(study, svg.as_deref().ok(), &shown(results.words))),
     ];
+    let rows = study.rows.iter().enumerate().filter(|(_, row)| row.solved());
+    let lines: Vec<_> = rows.map(|(k, row)| (study.label(k), row.result.lines.as_slice())).collect();
+    let case = &results.loaded.case;
+    for file in super::files::lines((&case.title.value, &case.units), &lines, true, &mut diagnostics) {
+        files.push((file.name, String::from_utf8_lossy(&file.bytes).into_owned()));
+    }
     match svg {
-        Ok(svg) => files.push(("study.svg", svg)),
+        Ok(svg) => files.push(("study.svg".to_owned(), svg)),
         // one row, or none with numbers: the table says it all
         Err(PlotError::Empty(_)) => {}
         Err(why) => diagnostics.push(Diagnostic::warning("E091", format!("`study.svg` was not written: {why}"))),
@@ -204,8 +210,8 @@ fn written(results: &Results<'_>, study: &Study, kept: Option<&StoredRows>) -> E
 }
 
 /// Writes everything, `result.json` last; returns its text.
-fn write(results: &Results<'_>, study: &Study, files: &[(&str, String)], messages: &Diagnostics) -> Result<String, Diagnostic> {
-    let names = results.open(files.iter().map(|(name, _)| (*name).to_owned()))?;
+fn write(results: &Results<'_>, study: &Study, files: &[(String, String)], messages: &Diagnostics) -> Result<String, Diagnostic> {
+    let names = results.open(files.iter().map(|(name, _)| name.clone()))?;
     for (name, text) in files {
         results.folder.write(name, text.as_bytes())?;
     }

@@ -91,7 +91,7 @@ impl Constants {
             done[k] = true;
             values[k] = formulas[k].as_ref().and_then(|f| {
                 let given: Option<Vec<f64>> = f.quantities().iter().map(|q| names.get(q.text.as_str()).and_then(|&j| values[j])).collect();
-                let v = f.value_with(&given?);
+                let v = f.value_with(1.0, &given?);
                 if !v.is_finite() {
                     errors.push((k, FormulaError::new(format!("the value of `{}` is not finite", definitions[k].0), 0, 1)));
                     return None;

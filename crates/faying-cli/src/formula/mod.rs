@@ -95,14 +95,15 @@ impl<'a> Scope<'a> {
         Self { variables: &[], constants, quantities: None }
     }
 
-    /// Values of checks: constants and quantities.
+    /// Values of checks: t, constants and quantities.
     pub fn check(constants: &'a Constants, names: &'a [String]) -> Self {
-        Self { variables: &[], constants, quantities: Some(names) }
+        Self { variables: &[Variable::T], constants, quantities: Some(names) }
     }
 
     fn what(&self) -> &'static str {
         match (self.variables, self.quantities) {
             ([], Some(_)) => "only constants, and in checks quantities, are known",
+            (_, Some(_)) => "only t, constants and quantities are known",
             ([], None) => "one number is expected, made of constants",
             ([Variable::T], _) => "only t and constants are known",
             _ => "x, y, z, t, r, theta and constants are known",
@@ -197,9 +198,9 @@ impl Formula {
         &self.quantities
     }
 
-    /// The value with the quantities' values, one per entry of [`Formula::quantities`].
-    pub fn value_with(&self, quantities: &[f64]) -> f64 {
-        self.program.run(&Point::default(), quantities)
+    /// The value at time `t` with the quantities' values, one per entry of [`Formula::quantities`].
+    pub fn value_with(&self, t: f64, quantities: &[f64]) -> f64 {
+        self.program.run(&Point::default().at_time(t), quantities)
     }
 
     /// The text as written, or the number.
@@ -301,6 +302,6 @@ mod tests {
         let f = Formula::parse("2*contact.my-pad.force.y-1 + u.x at [1.0, 0.5] in upper - energy", &Scope::check(&c, &names)).unwrap();
         let texts: Vec<&str> = f.quantities().iter().map(|q| q.text.as_str()).collect();
         assert_eq!(texts, ["contact.my-pad.force.y", "u.x at [1.0, 0.5] in upper", "energy"]);
-        assert_eq!(f.value_with(&[3.0, 10.0, 1.0]), 14.0);
+        assert_eq!(f.value_with(1.0, &[3.0, 10.0, 1.0]), 14.0);
     }
 }

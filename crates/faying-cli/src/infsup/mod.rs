@@ -289,7 +289,7 @@ fn answer(result: &mut RunResult, case: &Case, names: &[&str], beta: f64) {
         |text: &str| matches!(Quantity::parse(text).map(|q| q.kind), Ok(QuantityKind::Beta(pairing)) if names.contains(&pairing.as_str()));
     for probe in case.probes.iter().filter(|p| mine(&p.quantity.value)) {
         let (name, quantity) = (probe.name.value.clone(), probe.quantity.value.clone());
-        result.probes.push(ProbeReport { name, quantity, value: beta, at: None, patch: None, reason: None });
+        result.probes.push(ProbeReport { name, quantity, value: beta, at: None, t: None, patch: None, reason: None });
     }
     let numbers = result.numbers();
     for check in &case.checks {

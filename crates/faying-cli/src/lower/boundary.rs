@@ -1,19 +1,15 @@
 //! Boundary conditions and loads of the case, said block by block.
 
 use super::lower_context::LowerContext;
+use super::parts::{self, Centres};
 use super::places::{Places, Said};
 use super::side_pairs::SidePairs;
 use super::sides::refused;
 use crate::case::{Boundary, Components, Datum, SideRef};
 use crate::errors::Diagnostic;
-use crate::formula::{Formula, Point};
+use crate::formula::Formula;
 use crate::place::{Located, SourceSpan};
-use crate::text_format::{place, short};
-use faying::linalg::Vector;
 use faying::problem::{Data, ErrorKind, Problem, ProblemError, Region, RegionId, Statement, Value};
-
-/// Share by which the facets that `where` keeps may differ from the part in which it holds.
-const CUT: f64 = 1e-3;
 
 /// Says the conditions, loads and springs of all boundary blocks; errors go to the context's faults.
 pub(super) fn say<const S: usize, const N: usize>(
@@ -24,7 +20,7 @@ pub(super) fn say<const S: usize, const N: usize>(
 ) {
     for number in 0..context.case.boundaries.len() {
         let block = &context.case.boundaries[number];
-        let mut said = Block { context, problem, places, number, block, centres: None };
+        let mut said = Block { context, problem, places, number, block, centres: Centres::default() };
         let (mut on, mut rims, mut faults) = (Vec::with_capacity(block.on.len()), Vec::new(), Vec::new());
         for wanted in &block.on {
             // sides coupled to another side are not outer sides
@@ -38,7 +34,9 @@ pub(super) fn say<const S: usize, const N: usize>(
             faults.extend(made.err().map(|fault| *fault));
         }
         if let Some(filter) = block.filter.as_ref().filter(|_| !on.is_empty()) {
-            faults.extend(said.cut_facets(filter, &on));
+            let sides: Vec<_> = block.on.iter().filter(|side| meeting_sides(&side.value.side).is_none()).cloned().collect();
+            let name = block.name.value.as_str();
+            faults.extend(parts::cut(said.context, said.problem, said.places, (name, filter), &sides, &on));
         }
         faults.extend(on.iter().filter_map(|side| said.on_side(*side).err()).map(|fault| *fault));
         let all = [&on[..], &rims].concat();
@@ -46,22 +44,10 @@ pub(super) fn say<const S: usize, const N: usize>(
         let centres = said.centres;
         context.faults.items.extend(faults);
         if let (true, false, true, Some(filter)) = (on.is_empty(), block.on.is_empty(), !context.faults.has_errors(), &block.filter) {
-            let range = centres.map_or_else(String::new, |range| format!("; the centres lie in {}", ranges(range)));
-            let text =
-                format!("no facet of the sides of \"{}\" has its centre where `{}` holds{range}", block.name.value, filter.value.text());
-            let fault = context.error("E015", text, filter.at).with_help("`where` keeps whole facets; a finer mesh has smaller ones");
+            let fault = parts::nothing(context, &format!("the sides of \"{}\"", block.name.value), filter, &centres);
             context.faults.push(fault);
         }
     }
-}
-
-/// "x from 0.05 to 0.95, y 1".
-fn ranges<const N: usize>([low, high]: [Vector<N>; 2]) -> String {
-    let one = |k: usize| match (short(low[k]), short(high[k])) {
-        (a, b) if a == b => format!("{} {a}", ["x", "y", "z"][k]),
-        (a, b) => format!("{} from {a} to {b}", ["x", "y", "z"][k]),
-    };
-    (0..N).map(one).collect::<Vec<_>>().join(", ")
 }
 
 /// Sides that meet in an edge or a corner such as u0w1 or u0v0w0; `None` for other names.
@@ -100,8 +86,8 @@ struct Block<'a, 'b, const S: usize, const N: usize> {
     places: &'a mut Places,
     number: usize,
     block: &'b Boundary,
-    /// Least and largest coordinates of the centres of the facets that `where` was asked for.
-    centres: Option<[Vector<N>; 2]>,
+    /// Centres of the facets that `where` was asked for.
+    centres: Centres<N>,
 }
 
 impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
@@ -111,35 +97,12 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
 
     /// The side of a reference, or the part of it that `where` keeps, if any.
     fn side(&mut self, wanted: &Located<SideRef>) -> Result<Option<RegionId>, Box<Diagnostic>> {
-        let side = self.places.bodies[wanted.value.patch].side(&wanted.value.side);
-        let (undefined, centres) = (std::cell::Cell::new(None), std::cell::Cell::new(self.centres));
-        let made = match &self.block.filter {
-            None => self.problem.region(side).map(Some),
-            Some(f) => self.problem.part(side, &f.value.text(), &|x| {
-                let value = f.value.value(&Point::new(x.as_slice()));
-                let [low, high] = centres.get().unwrap_or([*x; 2]);
-                centres.set(Some([low.inf(x), high.sup(x)]));
-                if value.is_nan() {
-                    undefined.set(Some(*x));
-                }
-                value != 0.0
-            }),
-        };
-        self.centres = centres.get();
-        if let (Some(x), Some(filter)) = (undefined.get(), &self.block.filter) {
-            let text = format!("`where`: `{}` has no value at the centre of a facet ({})", filter.value.text(), place(x.as_slice()));
-            return Err(Box::new(self.error("E017", text, filter.at).with_help("give a formula that has a value everywhere")));
+        if let Some(filter) = &self.block.filter {
+            return parts::part(self.context, self.problem, self.places, wanted, filter, &mut self.centres);
         }
-        made.map_err(|error| {
-            Box::new(match (&error.kind, &self.block.filter) {
-                (ErrorKind::Side(_), _) => refused(self.context, self.problem, &error, wanted),
-                (_, Some(filter)) => {
-                    let text = format!("`where` on `{}`, a side of triangles and quadrilaterals, is not in this version", error.names()[0]);
-                    self.error("E019", text, filter.at).with_help("give the part a tag of its own in the mesh")
-                }
-                _ => self.error("E015", error.to_string(), wanted.at),
-            })
-        })
+        let side = self.places.bodies[wanted.value.patch].side(&wanted.value.side);
+        let made = self.problem.region(side);
+        made.map(Some).map_err(|error| Box::new(refused(self.context, self.problem, &error, wanted)))
     }
 
     /// The edge, the corner or the named part of a mesh of a reference; `None` of a side.
@@ -286,30 +249,6 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
             self.named(made, f, "the rigid force")?;
         }
         Ok(())
-    }
-
-    /// Warns of a `where` whose border lies inside of facets, which are kept or left whole.
-    fn cut_facets(&mut self, filter: &Located<Formula>, kept: &[RegionId]) -> Option<Diagnostic> {
-        let kept: f64 = kept.iter().filter_map(|region| self.problem.measure(*region).ok()).sum();
-        let holds = |x: &Vector<N>| filter.value.value(&Point::new(x.as_slice())) != 0.0;
-        let mut exact = 0.0;
-        for wanted in self.block.on.iter().filter(|side| meeting_sides(&side.value.side).is_none()) {
-            let side = self.places.bodies[wanted.value.patch].side(&wanted.value.side);
-            exact += self.problem.measure_where(side, &holds).unwrap_or(0.0);
-        }
-        let off = (kept - exact).abs() / kept.max(exact);
-        (off > CUT).then(|| {
-            let what = if N == 2 { "length" } else { "area" };
-            let text = format!(
-                "`where` of \"{}\" cuts facets, which it keeps or leaves whole: a {what} of {} for the {} in which `{}` holds",
-                self.block.name.value,
-                short(kept),
-                short(exact),
-                filter.value.text()
-            );
-            let help = "let the border of `where` lie on edges of elements: give breakpoints there, or refine the mesh";
-            self.context.warning("E017", text, filter.at).with_help(help)
-        })
     }
 }
 

@@ -4,6 +4,7 @@ use super::lower_context::LowerContext;
 use super::lowered_case::LoweredCase;
 use super::multipliers::{multiplier, unstable};
 use super::obstacles::{opponent, swallowed};
+use super::parts::of_slaves;
 use super::places::{Places, Said};
 use super::refused::contact_fault;
 use super::sides::side;
@@ -16,14 +17,24 @@ use crate::place::{Located, SourceSpan};
 use crate::registry::Fault;
 use faying::contact::{ContactError, ContactMethod};
 use faying::coupling::multiplier::MultiplierKind;
-use faying::problem::{self, ErrorKind, Multiplier, Opponent, Problem, Rule, Warning};
+use faying::problem::{self, ErrorKind, Multiplier, Opponent, Problem, RegionId, Rule, Warning};
 use std::sync::Arc;
 
 /// Says all contacts of the case; errors go to the context's faults.
 pub(super) fn say<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, problem: &mut Problem<S, N>, places: &mut Places) {
     let case = context.case;
     for (k, contact) in case.contacts.iter().enumerate() {
-        if let Err(fault) = one(context, problem, places, k, contact) {
+        let parts = match &contact.filter {
+            Some(filter) => match of_slaves(context, problem, places, &contact.slave, (&contact.name.value, filter)) {
+                Ok(parts) => Some(parts),
+                Err(faults) => {
+                    context.faults.items.extend(faults);
+                    continue;
+                }
+            },
+            None => None,
+        };
+        if let Err(fault) = one(context, problem, places, (k, contact), parts) {
             context.faults.items.extend(fault);
         }
     }
@@ -31,7 +42,7 @@ pub(super) fn say<const S: usize, const N: usize>(context: &mut LowerContext<'_,
 
 /// Sides of a list by the bodies of their patches.
 fn sides<'a>(places: &Places, wanted: &'a [Located<SideRef>]) -> problem::Sides<'a> {
-    problem::Sides(wanted.iter().map(|side| places.bodies[side.value.patch].side(&side.value.side)).collect())
+    wanted.iter().map(|side| places.bodies[side.value.patch].side(&side.value.side)).collect::<Vec<_>>().into()
 }
 
 /// Looks up the sides of a list, each of which exists.
@@ -49,8 +60,8 @@ fn one<const S: usize, const N: usize>(
     context: &LowerContext<'_, S, N>,
     problem: &mut Problem<S, N>,
     places: &mut Places,
-    number: usize,
-    contact: &Contact,
+    (number, contact): (usize, &Contact),
+    parts: Option<Vec<RegionId>>,
 ) -> Result<(), Vec<Diagnostic>> {
     let refused = |fault: Box<Diagnostic>| vec![*fault];
     known(context, contact).map_err(refused)?;
@@ -63,7 +74,7 @@ fn one<const S: usize, const N: usize>(
         }
         Master::Rigid(obstacle) => opponent(context, obstacle, &contact.name.value).map_err(refused)?,
     };
-    let said = problem.contact(sides(places, &contact.slave), faced).map_err(|error| {
+    let said = problem.contact(parts.map_or_else(|| sides(places, &contact.slave), Into::into), faced).map_err(|error| {
         let name = &contact.name.value;
         vec![match error.kind {
             ErrorKind::NoMaster => context.error("E021", format!("contact \"{name}\" has no master"), contact.head.at),
@@ -78,6 +89,9 @@ fn one<const S: usize, const N: usize>(
     }
     if contact.symmetry.value {
         said.symmetry();
+    }
+    if contact.adjust.value {
+        said.adjust();
     }
     if let Master::Rigid(obstacle) = &contact.master {
         for (k, f) in obstacle.translate.iter().enumerate().filter_map(|(k, f)| Some((k, f.as_ref()?))) {

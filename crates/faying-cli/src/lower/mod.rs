@@ -13,6 +13,7 @@ mod meetings;
 mod meshes;
 mod multipliers;
 mod obstacles;
+mod parts;
 mod patches;
 mod places;
 mod refused;

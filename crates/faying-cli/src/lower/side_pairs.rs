@@ -2,9 +2,12 @@
 
 use super::findings::{fault, unjoined, warning};
 use super::lower_context::LowerContext;
+use super::parts::of_slaves;
+use super::places::Places;
 use super::sides::side_fault;
 use crate::case::{Case, Master, SideRef, Tie};
 use crate::errors::Diagnostic;
+use crate::formula::Formula;
 use crate::place::{Located, SourceSpan};
 use crate::registry::is_glue;
 use crate::result::{GluedSides, TiedSides};
@@ -79,13 +82,17 @@ impl<const S: usize, const N: usize> SidePairs<S, N> {
 pub(super) fn find<const S: usize, const N: usize>(
     context: &mut LowerContext<'_, S, N>,
     problem: &mut Problem<S, N>,
+    places: &Places,
     files: &[(Range<usize>, SourceSpan)],
 ) -> SidePairs<S, N> {
+    let case = context.case;
+    let mut of = |tie: &Tie| tie.filter.as_ref().map(|filter| slave_parts(context, problem, places, (tie, filter)));
+    let parts: Vec<Option<Vec<Arc<SideView<S, N>>>>> = case.interfaces.iter().map(&mut of).collect();
     let (ties, seams) = problem.look_for_touching(|search| {
         let mut finder = Finder { search, context };
         finder.exclude_named();
         let seams = finder.seams(files);
-        let ties = finder.ties();
+        let ties = finder.ties(&parts);
         slave_twice(finder.context, &ties);
         finder.near_sides(&ties);
         finder.unjoined_sides();
@@ -184,7 +191,7 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     }
 
     /// Side pairs of the interfaces: those with named sides first, then those of lists of patches, then of "all".
-    fn ties(&mut self) -> Vec<Vec<PairedSidesAt<S, N>>> {
+    fn ties(&mut self, parts: &[Option<Vec<Arc<SideView<S, N>>>>]) -> Vec<Vec<PairedSidesAt<S, N>>> {
         let case = self.context.case;
         let mut ties = vec![Vec::new(); case.interfaces.len()];
         let rank = |tie: &Tie| tie.between.as_ref().map_or(0, |b| if is_all(b) { 2 } else { 1 });
@@ -193,16 +200,19 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
         for k in order {
             let tie = &case.interfaces[k];
             ties[k] = match &tie.between {
-                None => self.named(tie),
+                None => self.named(tie, parts[k].as_deref()),
                 Some(between) => self.between(tie, between),
             };
         }
         ties
     }
 
-    /// Returns the side pairs of an interface whose slaves and masters are named.
-    fn named(&mut self, tie: &Tie) -> Vec<PairedSidesAt<S, N>> {
-        let slaves = self.list(&tie.slave);
+    /// Returns the side pairs of an interface whose slaves and masters are named; `parts` of the slaves, if it takes no more.
+    fn named(&mut self, tie: &Tie, parts: Option<&[Arc<SideView<S, N>>]>) -> Vec<PairedSidesAt<S, N>> {
+        let slaves = match parts {
+            Some(parts) => parts.iter().cloned().zip(tie.slave.iter().map(|side| side.at)).collect(),
+            None => self.list(&tie.slave),
+        };
         let masters: Vec<_> = self.list(&tie.master).into_iter().map(|(side, _)| side).collect();
         let couple = |(slave, at)| {
             let couple = self.search.tie(slave, masters.clone(), tie.tolerance.value);
@@ -269,6 +279,22 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
         self.search.unjoined(&pairs.collect::<Vec<_>>(), &outer, &spline);
         let found = std::mem::take(&mut self.search.findings);
         unjoined(self.context, &found);
+    }
+}
+
+/// The parts of the slave sides that the `where` of an interface keeps; errors go to the context's faults.
+fn slave_parts<const S: usize, const N: usize>(
+    context: &mut LowerContext<'_, S, N>,
+    problem: &mut Problem<S, N>,
+    places: &Places,
+    (tie, filter): (&Tie, &Located<Formula>),
+) -> Vec<Arc<SideView<S, N>>> {
+    match of_slaves(context, problem, places, &tie.slave, (&tie.name.value, filter)) {
+        Ok(regions) => regions.into_iter().flat_map(|region| problem.sides_of(region).unwrap_or_default()).collect(),
+        Err(faults) => {
+            context.faults.items.extend(faults);
+            Vec::new()
+        }
     }
 }
 

@@ -2,14 +2,16 @@
 
 use super::evaluate::{Answer, evaluate};
 use super::grammar::Reduce;
+use super::lines::PreparedLine;
 use super::locate::Locators;
 use super::prepare::{Prepared, Preparer};
-use crate::case::{Case, Check, Condition};
+use crate::case::{AskedSteps, Case, Check, Condition, Probe};
 use crate::errors::{Diagnostic, Diagnostics};
 use crate::formula::Formula;
 use crate::lower::LoweredCase;
 use crate::place::Located;
 use crate::result::{CheckReport, ProbeReport, RunResult};
+use crate::text_format::short;
 use faying::problem::Solution;
 use serde_json::{Value, json};
 
@@ -17,6 +19,7 @@ use serde_json::{Value, json};
 #[derive(Debug)]
 pub struct Questions<const S: usize, const N: usize> {
     probes: Vec<Prepared<S, N>>,
+    lines: Vec<PreparedLine<S, N>>,
     checks: Vec<Prepared<S, N>>,
     /// Quantities in the values of each check: value, rtol, atol.
     values: Vec<[Vec<Prepared<S, N>>; 3]>,
@@ -55,6 +58,8 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         let locators = Locators::new(model);
         let (of_probes, of_checks) = (Preparer::new(case, &locators, skeleton), Preparer::new(case, &locators, &with_probes));
         let mut faults = Diagnostics::new();
+        let asked = case.probes.iter().filter_map(|p| p.t.as_ref()).chain(case.checks.iter().filter_map(|c| c.t.as_ref()));
+        faults.items.extend(asked.filter_map(|t| no_step(case, t)));
         let understand = |preparer: &Preparer<'_, S, N>, faults: &mut Diagnostics, text: &Located<String>, both: bool| {
             preparer.prepare(&text.value, text.at, both).unwrap_or_else(|fault| {
                 faults.push(*fault);
@@ -62,6 +67,13 @@ impl<const S: usize, const N: usize> Questions<S, N> {
             })
         };
         let probes = case.probes.iter().map(|p| understand(&of_probes, &mut faults, &p.quantity, false)).collect();
+        let mut lines = Vec::with_capacity(case.lines.len());
+        for line in &case.lines {
+            match PreparedLine::of(case, line, &locators, skeleton) {
+                Ok(found) => lines.push(found),
+                Err(found) => faults.extend(found),
+            }
+        }
         let mut checks = Vec::with_capacity(case.checks.len());
         for c in &case.checks {
             let before = faults.items.len();
@@ -90,57 +102,90 @@ impl<const S: usize, const N: usize> Questions<S, N> {
                 })
             })
             .collect();
-        if faults.has_errors() { Err(faults) } else { Ok(Self { probes, checks, values }) }
+        if faults.has_errors() { Err(faults) } else { Ok(Self { probes, lines, checks, values }) }
     }
 
-    /// Evaluates all probes on a solution into `result`.
-    pub fn probes(&self, case: &Case, solution: Option<&Solution<S, N>>, result: &mut RunResult) {
+    /// Evaluates all probes at the end of a step, those that ask for it into `result`; returns all.
+    pub fn probes(
+        &self,
+        case: &Case,
+        step: &Step,
+        solution: Option<&Solution<S, N>>,
+        result: &mut RunResult,
+        told: &mut Told,
+    ) -> Vec<ProbeReport> {
         let value = result.numbers();
-        result.probes = case
-            .probes
-            .iter()
-            .zip(&self.probes)
-            .map(|(probe, prepared)| {
-                let (value, at, reason) = match ask(solution, prepared, &value) {
-                    Answer::One(v) => (v, None, None),
-                    Answer::Placed(v, at) | Answer::Range([(v, at), _]) => (v, Some(at), None),
-                    Answer::None(reason) => (f64::NAN, None, Some(reason)),
-                    Answer::Study => (f64::NAN, None, Some("only studies answer this quantity".to_string())),
-                };
-                let patch = match prepared {
-                    Prepared::At(_, spot) if spot.shared => Some(case.patches[spot.patch].name.value.clone()),
-                    _ => None,
-                };
-                ProbeReport { name: probe.name.value.clone(), quantity: probe.quantity.value.clone(), value, at, patch, reason }
-            })
-            .collect();
-    }
-
-    /// Evaluates all checks on a solution into `result`; returns whether every check that was decided passed.
-    pub fn checks(&self, case: &Case, solution: Option<&Solution<S, N>>, result: &mut RunResult) -> bool {
-        // probes are numbers of the result: checks may name them
-        let value = result.numbers();
-        let answered = |prepared: &Prepared<S, N>| ask(solution, prepared, &value);
-        let mut reports = Vec::with_capacity(case.checks.len());
-        for ((check, prepared), values) in case.checks.iter().zip(&self.checks).zip(&self.values) {
-            let mut report = undecided(check);
-            let elsewhere = check.backend.as_ref().filter(|b| result.backends.iter().any(|(_, used)| *used != b.value));
-            let answer = answered(prepared);
-            // after a run there is no study that could decide it later
-            let later = answer == Answer::Study && result.command != "run";
-            if later || elsewhere.is_some() {
-                report.skipped = true;
-                report.ok = true;
-                report.reason = Some(elsewhere.map_or("decided by studies".to_string(), |b| format!("only for backend \"{}\"", b.value)));
-            } else {
-                let all = found(answer).and_then(|found| Ok((found, numbers(&check.condition, values, &answered)?)));
-                match all {
-                    Ok((found, numbers)) => decide(&check.condition, found, numbers, &mut report),
-                    Err(reason) => report.reason = Some(reason),
-                }
-            }
-            reports.push(report);
+        let of = |(probe, prepared): (&Probe, &Prepared<S, N>)| {
+            let (value, at, reason) = match ask(solution, prepared, &value) {
+                Answer::One(v) => (v, None, None),
+                Answer::Placed(v, at) | Answer::Range([(v, at), _]) => (v, Some(at), None),
+                Answer::None(reason) => (f64::NAN, None, Some(reason)),
+                Answer::Study => (f64::NAN, None, Some("only studies answer this quantity".to_string())),
+            };
+            let patch = match prepared {
+                Prepared::At(_, spot) if spot.shared => Some(case.patches[spot.patch].name.value.clone()),
+                _ => None,
+            };
+            ProbeReport { name: probe.name.value.clone(), quantity: probe.quantity.value.clone(), value, at, t: None, patch, reason }
+        };
+        let all: Vec<ProbeReport> = case.probes.iter().zip(&self.probes).map(of).collect();
+        told.probes.resize(all.len(), None);
+        for ((probe, now), known) in case.probes.iter().zip(&all).zip(&mut told.probes) {
+            *known = Some(match probe.t.as_ref().map(|t| t.value) {
+                None => now.clone(),
+                Some(AskedSteps::At(t)) if !same(t, step.t) => match known.take() {
+                    Some(before) => before,
+                    None => ProbeReport {
+                        value: f64::NAN,
+                        at: None,
+                        t: Some(t),
+                        patch: None,
+                        reason: Some("its step was not reached".to_owned()),
+                        ..now.clone()
+                    },
+                },
+                Some(_) => ProbeReport { t: Some(step.t), ..now.clone() },
+            });
         }
+        result.probes = told.probes.iter().flatten().cloned().collect();
+        all
+    }
+
+    /// Evaluates all lines on a solution into `result`.
+    pub fn lines(&self, case: &Case, solution: &Solution<S, N>, result: &mut RunResult) {
+        result.lines = case.lines.iter().zip(&self.lines).map(|(line, prepared)| prepared.values(line, solution)).collect();
+    }
+
+    /// Evaluates the checks that ask for a step.
+    pub fn checks(&self, case: &Case, step: &Step, solution: Option<&Solution<S, N>>, result: &RunResult, told: &mut Told) {
+        told.checks.resize(case.checks.len(), None);
+        let is_due = |check: &Check| match check.t.as_ref().map(|t| t.value) {
+            None => step.is_last,
+            Some(AskedSteps::All) => true,
+            Some(AskedSteps::At(t)) => same(t, step.t),
+        };
+        let due: Vec<usize> = (0..case.checks.len()).filter(|&k| is_due(&case.checks[k])).collect();
+        if due.is_empty() {
+            return;
+        }
+        let numbers = result.numbers();
+        for k in due {
+            // of all steps the first one at which it failed
+            if told.checks[k].as_ref().is_none_or(|before| before.ok) {
+                let t = case.checks[k].t.as_ref().map(|_| step.t);
+                told.checks[k] = Some(CheckReport { t, ..self.check(&case.checks[k], k, step.t, solution, result, &numbers) });
+            }
+        }
+    }
+
+    /// Enters all checks into `result`, those of steps that were not reached undecided; returns whether every check that was decided passed.
+    pub fn close(&self, case: &Case, result: &mut RunResult, told: &mut Told) -> bool {
+        let numbers = result.numbers();
+        told.checks.resize(case.checks.len(), None);
+        let known = std::mem::take(&mut told.checks);
+        let all = case.checks.iter().zip(known).enumerate();
+        let reports: Vec<CheckReport> =
+            all.map(|(k, (check, known))| known.unwrap_or_else(|| self.check(check, k, 1.0, None, result, &numbers))).collect();
         result.checks_expected = reports.len();
         result.checks_skipped = reports.iter().filter(|r| r.skipped).count();
         result.checks_performed = reports.len() - result.checks_skipped;
@@ -148,6 +193,68 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         result.checks = reports;
         passed
     }
+
+    /// Evaluates a check, the number `k` of the case, at time `t`.
+    fn check(&self, check: &Check, k: usize, t: f64, solution: Option<&Solution<S, N>>, result: &RunResult, value: &Value) -> CheckReport {
+        let answered = |prepared: &Prepared<S, N>| ask(solution, prepared, value);
+        let mut report = undecided(check);
+        let elsewhere = check.backend.as_ref().filter(|b| result.backends.iter().any(|(_, used)| *used != b.value));
+        let answer = answered(&self.checks[k]);
+        // after a run there is no study that could decide it later
+        let later = answer == Answer::Study && result.command != "run";
+        if later || elsewhere.is_some() {
+            report.skipped = true;
+            report.ok = true;
+            report.reason = Some(elsewhere.map_or("decided by studies".to_string(), |b| format!("only for backend \"{}\"", b.value)));
+            return report;
+        }
+        let all = found(answer).and_then(|found| Ok((found, numbers(&check.condition, t, &self.values[k], &answered)?)));
+        match all {
+            Ok((found, numbers)) => decide(&check.condition, found, numbers, &mut report),
+            Err(reason) => report.reason = Some(reason),
+        }
+        report
+    }
+}
+
+/// A step of a run.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Its time.
+    pub t: f64,
+    /// Whether it is the last one.
+    pub is_last: bool,
+}
+
+/// Answers to probes and checks over the steps so far.
+#[derive(Clone, Debug, Default)]
+pub struct Told {
+    probes: Vec<Option<ProbeReport>>,
+    checks: Vec<Option<CheckReport>>,
+}
+
+/// Whether two times are one.
+fn same(a: f64, b: f64) -> bool {
+    (a - b).abs() <= 1e-12 * a.abs().max(b.abs())
+}
+
+/// E015 for a time that is none of the case's steps.
+fn no_step(case: &Case, t: &Located<AskedSteps>) -> Option<Diagnostic> {
+    const MOST: usize = 8;
+    let AskedSteps::At(time) = t.value else { return None };
+    let times = &case.steps.value;
+    if times.iter().any(|own| same(*own, time)) {
+        return None;
+    }
+    let mut list: Vec<String> = times.iter().take(MOST).map(|t| short(*t)).collect();
+    if times.len() > MOST {
+        list.push(format!("... ({} in all)", times.len()));
+    }
+    let text = match case.has_steps() {
+        true => format!("there is no step at t = {}; steps end at t = {}", short(time), list.join(", ")),
+        false => format!("there is no step at t = {}: without [steps] there is one, at t = 1", short(time)),
+    };
+    Some(Diagnostic::error("E015", text).with_help("write one of these times, or add it to `t` of [steps]").at(&case.source, t.at))
 }
 
 /// A value, and its place if it is an extreme.
@@ -160,6 +267,7 @@ pub(crate) fn undecided(check: &Check) -> CheckReport {
         quantity: check.quantity.value.clone(),
         value: f64::NAN,
         at: None,
+        t: None,
         expected: f64::NAN,
         ok: false,
         relation: match check.condition {
@@ -184,9 +292,10 @@ fn found(answer: Answer) -> Result<Vec<Found>, String> {
     }
 }
 
-/// Bound or value, rtol and atol of a condition, zero where it has none; `quantities`: those named by each.
+/// Bound or value, rtol and atol of a condition at time `t`, zero where it has none; `quantities`: those named by each.
 fn numbers<const S: usize, const N: usize>(
     condition: &Condition,
+    t: f64,
     quantities: &[Vec<Prepared<S, N>>; 3],
     answered: &dyn Fn(&Prepared<S, N>) -> Answer,
 ) -> Result<[f64; 3], String> {
@@ -201,7 +310,7 @@ fn numbers<const S: usize, const N: usize>(
                 _ => Err("a value of a check is one number".to_string()),
             })
             .collect();
-        *number = f.value.value_with(&values?);
+        *number = f.value.value_with(t, &values?);
         if !number.is_finite() {
             return Err(format!("`{}` is not finite", f.value.text()));
         }

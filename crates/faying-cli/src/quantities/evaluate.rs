@@ -1,9 +1,10 @@
 //! Values of quantities on a solved model.
 
-use super::grammar::{FieldName, Reduce};
+use super::fields::FieldAbout;
+use super::grammar::Reduce;
 use super::path::look_up;
 use super::prepare::{Prepared, SideSpot};
-use faying::physics::von_mises;
+use faying::linalg::Vector;
 use faying::problem::{Extreme, PointState, Solution};
 use faying::space::off_collapsed;
 use serde_json::Value;
@@ -24,35 +25,14 @@ pub enum Answer {
     Study,
 }
 
-/// Component of a field from the solution at a point.
-fn component<const N: usize>(field: FieldName, p: &PointState<N>) -> f64 {
-    match field {
-        FieldName::U(c) => p.u[c.unwrap_or(0)],
-        FieldName::Flux(c) => p.stress[c],
-        FieldName::Stress(i, j) => p.stress[voigt(i, j)],
-        FieldName::VonMises => von_mises(&p.stress),
-    }
-}
-
-/// Index of a component among xx yy zz xy yz xz.
-fn voigt(i: usize, j: usize) -> usize {
-    match (i.min(j), i.max(j)) {
-        (a, b) if a == b => a,
-        (0, 1) => 3,
-        (1, 2) => 4,
-        _ => 5,
-    }
-}
-
 fn finite(value: f64) -> Answer {
     if value.is_finite() { Answer::One(value) } else { Answer::None("the value is not finite".into()) }
 }
 
 /// A field over bodies: an extreme with its place, or both.
-fn over<const S: usize, const N: usize>(solution: &Solution<S, N>, field: FieldName, bodies: &[usize], reduce: Reduce) -> Answer {
-    let value = |s: &PointState<N>| component(field, s);
-    // displacements need no derivative
-    let derived = !matches!(field, FieldName::U(_));
+fn over<const S: usize, const N: usize>(solution: &Solution<S, N>, field: &FieldAbout<N>, bodies: &[usize], reduce: Reduce) -> Answer {
+    let value = |s: &PointState<N>| field.value(s);
+    let derived = field.name.is_derived();
     let of_body = |k: &usize| {
         let body = solution.contents().body(*k).id();
         let found = match reduce {
@@ -87,24 +67,33 @@ pub fn evaluate<const S: usize, const N: usize>(prepared: &Prepared<S, N>, solut
         },
         Prepared::At(field, spot) => {
             let body = solution.contents().body(spot.patch);
-            let mut mean = PointState::<N> { x: faying::linalg::Vector::zeros(), u: [0.0; 3], stress: [0.0; 6] };
+            let none = Vector::zeros();
+            let mut mean = PointState::<N> { x: none, u: [0.0; 3], stress: [0.0; 6], strain: [0.0; 6] };
             let share = 1.0 / spot.elements.len() as f64;
             for (e, xi) in &spot.elements {
-                // displacements need no derivative
-                let xi = if matches!(field, FieldName::U(_)) { *xi } else { off_collapsed(&**body.space(), *e, [*xi])[0] };
+                let xi = if field.name.is_derived() { off_collapsed(&**body.space(), *e, [*xi])[0] } else { *xi };
                 let p = solution.in_element(body.id(), *e, &[xi.into()]).expect("an element of the body")[0];
+                mean.x += p.x * share;
                 mean.u.iter_mut().zip(p.u).for_each(|(m, v)| *m += share * v);
                 mean.stress.iter_mut().zip(p.stress).for_each(|(m, v)| *m += share * v);
+                mean.strain.iter_mut().zip(p.strain).for_each(|(m, v)| *m += share * v);
             }
-            finite(component(*field, &mean))
+            finite(field.value(&mean))
         }
-        Prepared::FunctionSpace(field, bodies, reduce) => over(solution, *field, bodies, *reduce),
+        Prepared::FunctionSpace(field, bodies, reduce) => over(solution, field, bodies, *reduce),
+        Prepared::SideForce(sides, component) => finite(sides.iter().map(|side| side_force(solution, side, *component)).sum()),
         Prepared::Lambda(spot, component) => finite(lambda(solution, spot, *component)),
         Prepared::Pressure(spot, pressure) => {
             let lambda = lambda(solution, spot, 0);
             finite(if *pressure { -lambda } else { lambda })
         }
     }
+}
+
+/// A component of the force of the stresses on a side, given by its patch and its name.
+fn side_force<const S: usize, const N: usize>(solution: &Solution<S, N>, (patch, side): &(usize, String), component: usize) -> f64 {
+    let body = solution.contents().body(*patch).id();
+    solution.force(body.side(side)).map_or(f64::NAN, |found| found.force[component])
 }
 
 /// A component of lambda at a place of a slave side.

@@ -1,18 +1,6 @@
 //! The grammar of quantities: `u.y at [1.0, 0.5] in upper`, `stress.yy.max`, `contact.pad.force.y`.
 
-/// A field on the bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum FieldName {
-    /// The unknown: a component of the displacement, or the scalar of Poisson's equation (`None`).
-    U(Option<usize>),
-    /// Component of k grad u (Poisson).
-    Flux(usize),
-    /// Component (i, j) of the stress (elasticity).
-    Stress(usize, usize),
-    /// The equivalent stress of von Mises (elasticity).
-    VonMises,
-}
+use super::fields::FieldName;
 
 /// Point at which a field is evaluated.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -49,6 +37,8 @@ pub enum QuantityKind {
     Field {
         /// The field.
         field: FieldName,
+        /// The centre of its directions, one formula per coordinate; empty of fields without one.
+        about: Vec<String>,
         /// The point.
         at: At,
         /// The patch; `None`: the first that holds the point, or all.
@@ -69,6 +59,8 @@ pub enum QuantityKind {
     },
     /// Length (area in 3D) of a side.
     SideMeasure(String),
+    /// A component of the force of the stresses on a side (elasticity), or the flux through it (`None`).
+    SideForce(String, Option<usize>),
     /// The inf-sup constant of a multiplier, found by studies.
     Beta(String),
     /// The rate of a quantity, found by studies.
@@ -104,6 +96,9 @@ fn wrong<T>(message: impl Into<String>) -> Result<T, GrammarError> {
 pub fn axis(letter: &str) -> Option<usize> {
     ["x", "y", "z"].iter().position(|&a| a == letter)
 }
+
+/// First parts of the names of fields.
+const FIELDS: &[&str] = &["u", "displacement", "flux", "stress", "strain", "principal", "von_mises"];
 
 /// Splits a dotted path into parts; a quoted part may hold dots and blanks.
 pub fn parts(path: &str) -> Result<Vec<String>, GrammarError> {
@@ -175,16 +170,17 @@ fn axes(letters: &str) -> Option<(usize, usize)> {
     }
 }
 
+/// Radial 0 and tangential 1 of the letters r, t.
+fn polar(letters: &str) -> Option<Vec<usize>> {
+    letters.chars().map(|l| ['r', 't'].iter().position(|&known| known == l)).collect()
+}
+
 /// Substitute for a quantity of the contract that this version lacks; `None` for every other path.
 fn later(path: &[String]) -> Option<&'static str> {
     let words: Vec<&str> = path.iter().map(String::as_str).collect();
     let words = words.strip_suffix(&["gauss"]).unwrap_or(&words);
     match words.strip_suffix(&["min"]).or_else(|| words.strip_suffix(&["max"])).unwrap_or(words) {
-        ["u" | "displacement", "norm"] => Some("ask for the components u.x and u.y"),
-        ["principal", "1" | "2" | "3"] => Some("ask for the components stress.xx, stress.yy, stress.xy, or for von_mises"),
-        ["strain", c] if axes(c).is_some() => Some("ask for the stress: stress.xx, stress.yy, stress.xy"),
         ["nominal", c] if axes(c).is_some() => Some("under small kinematics it is the stress: stress.xx, stress.yy, stress.xy"),
-        ["stress", "rr" | "tt" | "rt"] => Some("ask for the components stress.xx, stress.yy, stress.xy"),
         ["newton", "iterations" | "rate"] => Some("it belongs to finite kinematics: small ones need no Newton iteration"),
         ["stretch", _, .., "least"] => Some("it belongs to finite kinematics: displacements and rotations are small here"),
         ["contact", _, "friction", c] if axis(c).is_some() => Some("contact is frictionless here: leave it out"),
@@ -197,22 +193,36 @@ fn field(head: &[String]) -> Result<Option<FieldName>, GrammarError> {
     let rest: Vec<&str> = head[1..].iter().map(String::as_str).collect();
     Ok(Some(match (head[0].as_str(), rest.as_slice()) {
         ("u" | "displacement", []) => FieldName::U(None),
-        ("u" | "displacement", [c]) => match axis(c) {
-            Some(c) => FieldName::U(Some(c)),
-            None => return wrong(format!("unknown component `{c}` of u; components are x, y, z")),
+        ("u" | "displacement", ["norm"]) => FieldName::Norm,
+        ("u" | "displacement", [c]) => match (axis(c), polar(c).as_deref()) {
+            (Some(c), _) => FieldName::U(Some(c)),
+            (None, Some(&[a])) => FieldName::PolarU(a),
+            _ => return wrong(format!("unknown component `{c}` of u; components are x, y, z, norm, and r, t about a centre")),
         },
         ("flux", [c]) => match axis(c) {
             Some(c) => FieldName::Flux(c),
             None => return wrong(format!("unknown component `{c}` of the flux; components are x, y, z")),
         },
         ("flux", []) => return wrong("the flux has components; write flux.x or flux.y"),
-        ("stress", [c]) => match axes(c) {
-            Some((i, j)) => FieldName::Stress(i, j),
-            None => return wrong(format!("unknown component `{c}` of the stress; components are xx, yy, zz, xy, yz, xz")),
+        (name @ ("stress" | "strain"), [c]) => match (axes(c), polar(c).as_deref()) {
+            (Some((i, j)), _) if name == "stress" => FieldName::Stress(i, j),
+            (Some((i, j)), _) => FieldName::Strain(i, j),
+            (None, Some(&[a, b])) if name == "stress" => FieldName::PolarStress(a, b),
+            (None, Some(&[a, b])) => FieldName::PolarStrain(a, b),
+            _ => {
+                let known = "components are xx, yy, zz, xy, yz, xz, and rr, tt, rt about a centre";
+                return wrong(format!("unknown component `{c}` of the {name}; {known}"));
+            }
         },
-        ("stress", []) => return wrong("the stress has components; write stress.xx, stress.yy, stress.xy, ..."),
+        (name @ ("stress" | "strain"), []) => {
+            return wrong(format!("the {name} has components; write {name}.xx, {name}.yy, {name}.xy, ..."));
+        }
+        ("principal", ["1"]) => FieldName::Principal(0),
+        ("principal", ["2"]) => FieldName::Principal(1),
+        ("principal", ["3"]) => FieldName::Principal(2),
+        ("principal", _) => return wrong("the principal stresses are principal.1, principal.2 and principal.3, the largest first"),
         ("von_mises", []) => FieldName::VonMises,
-        ("u" | "displacement" | "flux" | "stress" | "von_mises", _) => {
+        ("u" | "displacement" | "flux" | "stress" | "strain" | "von_mises", _) => {
             return wrong(format!("`{}` has no part `{}`", head[0], rest.join(".")));
         }
         _ => return Ok(None),
@@ -247,28 +257,39 @@ impl Quantity {
             }
             None => (trimmed, None),
         };
-        let (head, at) = match keyword(before, "at") {
-            Some(k) => {
-                let place = before[k + 3..].trim();
-                let at = if place.starts_with('[') { At::Point(coordinates(place)?) } else { At::Tag(place.trim_matches('"').to_string()) };
-                (before[..k].trim(), at)
+        // either may stand first
+        let (before, centre, last) = match (keyword(before, "at"), keyword(before, "about")) {
+            (Some(at), Some(about)) if about > at => (before[..about].trim(), before[about + 6..].trim(), ""),
+            (at, Some(about)) => {
+                let end = at.unwrap_or(before.len());
+                (before[..about].trim(), before[about + 6..end].trim(), before[end..].trim())
             }
-            None => (before, At::Everywhere),
+            (_, None) => (before, "", ""),
+        };
+        let about = if centre.is_empty() { Vec::new() } else { coordinates(centre)? };
+        let whole = if last.is_empty() { before.to_owned() } else { format!("{before} {last}") };
+        let (head, at) = match keyword(&whole, "at") {
+            Some(k) => {
+                let place = whole[k + 3..].trim();
+                let at = if place.starts_with('[') { At::Point(coordinates(place)?) } else { At::Tag(place.trim_matches('"').to_string()) };
+                (whole[..k].trim(), at)
+            }
+            None => (whole.as_str(), At::Everywhere),
         };
         let mut path = parts(head)?;
         if path.iter().any(|p| p.contains(['[', ']', '(', ')', '+', '*'])) || head.contains(' ') && !head.contains('"') {
             return wrong(format!("`{head}` is no quantity"));
         }
-        let kind = Self::kind(&mut path, at, patch)?;
+        let kind = Self::kind(&mut path, at, about, patch)?;
         Ok(Self { text: text.to_string(), kind })
     }
 
-    fn kind(path: &mut Vec<String>, at: At, patch: Option<String>) -> Result<QuantityKind, GrammarError> {
+    fn kind(path: &mut Vec<String>, at: At, about: Vec<String>, patch: Option<String>) -> Result<QuantityKind, GrammarError> {
         let placed = at != At::Everywhere;
         if let Some(instead) = later(path) {
             return Ok(QuantityKind::Later(std::mem::take(path), instead));
         }
-        if matches!(path[0].as_str(), "u" | "displacement" | "flux" | "stress" | "von_mises") {
+        if FIELDS.contains(&path[0].as_str()) {
             let words: Vec<&str> = path.iter().map(String::as_str).collect();
             let (reduce, length) = match words.as_slice() {
                 [.., "min"] => (Reduce::Min, 1),
@@ -284,11 +305,19 @@ impl Quantity {
                 }
             }
             if let Some(field) = field(path)? {
-                return Ok(QuantityKind::Field { field, at, patch, reduce });
+                let name = path.join(".");
+                return match (field.is_polar(), about.is_empty()) {
+                    (true, true) => wrong(format!("`{name}` has a centre; write {name} about [0, 0]")),
+                    (false, false) => wrong(format!("`{name}` takes no `about`; u.r, u.t, stress.rr, stress.tt, stress.rt and strains do")),
+                    _ => Ok(QuantityKind::Field { field, about, at, patch, reduce }),
+                };
             }
         }
+        if !about.is_empty() {
+            return wrong(format!("`{}` takes no `about`; u.r, u.t, stress.rr, stress.tt, stress.rt and strains do", path.join(".")));
+        }
         if patch.is_some() {
-            return wrong(format!("`{}` takes no `in PATCH`; only u, flux, stress and von_mises do", path.join(".")));
+            return wrong(format!("`{}` takes no `in PATCH`; only u, flux, stress, strain, principal and von_mises do", path.join(".")));
         }
         match (path[0].as_str(), path.len()) {
             ("infsup", n) if n > 1 && !placed => {
@@ -314,12 +343,16 @@ impl Quantity {
         }
         if placed {
             return wrong(format!(
-                "`{}` takes no `at`; u, flux, stress, von_mises, interface.NAME.lambda and contact.NAME.pressure do",
+                "`{}` takes no `at`; u, flux, stress, strain, principal, von_mises, interface.NAME.lambda and contact.NAME.pressure do",
                 path.join(".")
             ));
         }
         Ok(match (path[0].as_str(), path.len()) {
             ("length" | "area", n) if n > 2 => QuantityKind::SideMeasure(path[1..].join(".")),
+            ("force", n) if n > 2 => match axis(&path[n - 1]) {
+                Some(c) if n > 3 => QuantityKind::SideForce(path[1..n - 1].join("."), Some(c)),
+                _ => QuantityKind::SideForce(path[1..].join("."), None),
+            },
             _ => QuantityKind::Path(std::mem::take(path)),
         })
     }
@@ -344,6 +377,7 @@ mod tests {
             kind("u.y at [1.0, 0.5] in upper"),
             QuantityKind::Field {
                 field: FieldName::U(Some(1)),
+                about: Vec::new(),
                 at: At::Point(vec!["1.0".into(), "0.5".into()]),
                 patch: Some("upper".into()),
                 reduce: Reduce::None
@@ -351,29 +385,62 @@ mod tests {
         );
         assert_eq!(
             kind("displacement.x.max"),
-            QuantityKind::Field { field: FieldName::U(Some(0)), at: At::Everywhere, patch: None, reduce: Reduce::Max }
+            QuantityKind::Field { field: FieldName::U(Some(0)), about: Vec::new(), at: At::Everywhere, patch: None, reduce: Reduce::Max }
         );
         assert_eq!(
             kind("stress.xy.min in a"),
-            QuantityKind::Field { field: FieldName::Stress(0, 1), at: At::Everywhere, patch: Some("a".into()), reduce: Reduce::Min }
+            QuantityKind::Field {
+                field: FieldName::Stress(0, 1),
+                about: Vec::new(),
+                at: At::Everywhere,
+                patch: Some("a".into()),
+                reduce: Reduce::Min
+            }
         );
         assert_eq!(
             kind("von_mises.max.gauss"),
-            QuantityKind::Field { field: FieldName::VonMises, at: At::Everywhere, patch: None, reduce: Reduce::MaxGauss }
+            QuantityKind::Field {
+                field: FieldName::VonMises,
+                about: Vec::new(),
+                at: At::Everywhere,
+                patch: None,
+                reduce: Reduce::MaxGauss
+            }
         );
         assert_eq!(
             kind("von_mises at TIP"),
-            QuantityKind::Field { field: FieldName::VonMises, at: At::Tag("TIP".into()), patch: None, reduce: Reduce::None }
+            QuantityKind::Field {
+                field: FieldName::VonMises,
+                about: Vec::new(),
+                at: At::Tag("TIP".into()),
+                patch: None,
+                reduce: Reduce::None
+            }
         );
         assert_eq!(
             kind("u at [max(a, b), 0]"),
             QuantityKind::Field {
                 field: FieldName::U(None),
+                about: Vec::new(),
                 at: At::Point(vec!["max(a, b)".into(), "0".into()]),
                 patch: None,
                 reduce: Reduce::None
             }
         );
+    }
+
+    #[test]
+    fn a_centre_stands_before_or_behind_the_place() {
+        let about = vec!["0".to_owned(), "a + 1".to_owned()];
+        let at = At::Point(vec!["1".into(), "2".into()]);
+        let wanted =
+            |at, patch, reduce| QuantityKind::Field { field: FieldName::PolarStress(0, 1), about: about.clone(), at, patch, reduce };
+        let inside = Some("ring".to_owned());
+        assert_eq!(kind("stress.rt about [0, a + 1] at [1, 2] in ring"), wanted(at.clone(), inside.clone(), Reduce::None));
+        assert_eq!(kind("stress.rt at [1, 2] about [0, a + 1]"), wanted(at, None, Reduce::None));
+        assert_eq!(kind("stress.rt.max about [0, a + 1] in ring"), wanted(At::Everywhere, inside, Reduce::Max));
+        assert_eq!(kind("force.lower.top.y"), QuantityKind::SideForce("lower.top".into(), Some(1)));
+        assert_eq!(kind("force.lower.top"), QuantityKind::SideForce("lower.top".into(), None));
     }
 
     #[test]
@@ -406,6 +473,11 @@ mod tests {
             ("u.q", "components are x, y, z"),
             ("stress at [0,0]", "write stress.xx"),
             ("stress.xw", "components are xx"),
+            ("strain", "write strain.xx"),
+            ("principal.4", "principal.1, principal.2 and principal.3"),
+            ("stress.rr at [1, 0]", "write stress.rr about [0, 0]"),
+            ("stress.xx about [0, 0] at [1, 0]", "takes no `about`"),
+            ("energy about [0, 0]", "takes no `about`"),
             ("energy at [0,0]", "takes no `at`"),
             ("energy in lower", "takes no `in PATCH`"),
             ("u.x.max at [0, 0]", "no extremes"),

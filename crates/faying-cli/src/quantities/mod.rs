@@ -2,16 +2,20 @@
 
 mod checks;
 mod evaluate;
+mod fields;
 mod grammar;
+mod lines;
 mod locate;
 mod path;
 mod prepare;
+mod prepare_sides;
 pub mod reference;
 
-pub use checks::Questions;
 pub(crate) use checks::undecided;
+pub use checks::{Questions, Step, Told};
 pub use evaluate::{Answer, evaluate};
-pub use grammar::{At, FieldName, GrammarError, Quantity, QuantityKind, Reduce};
+pub use fields::{FieldAbout, FieldName};
+pub use grammar::{At, GrammarError, Quantity, QuantityKind, Reduce};
 pub use locate::{Locators, Spot};
 pub use path::{known, look_up, resolve};
 pub use prepare::{Prepared, Preparer, SideSpot};

@@ -16,7 +16,7 @@ pub fn resolve(path: &[String]) -> Vec<String> {
         ["interface" | "contact", name, "segments"] => list(&[words[0], name, "segments", "count"], &[]),
         ["interface", name, "measure"] => list(&["interface", name, "segments", "measure"], &[]),
         ["interface", name, "lambda"] => list(&["interface", name, "lambda", "norm"], &[]),
-        ["contact", name, "moment", "z"] => list(&["contact", name, "moment"], &[]),
+        [kind @ ("contact" | "interface"), name, "moment", "z"] => list(&[kind, name, "moment"], &[]),
         _ => path.to_vec(),
     }
 }

@@ -1,20 +1,20 @@
 //! Preparation of quantities with the model, before anything is solved: names, components, points.
 
-use super::grammar::{At, FieldName, Quantity, QuantityKind, Reduce};
+use super::fields::{FieldAbout, FieldName};
+use super::grammar::{At, Quantity, QuantityKind, Reduce};
 use super::locate::{Locators, Spot};
 use super::path::{known, look_up};
-use crate::case::{Case, Multiplier, canonical};
+use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
 use crate::place::SourceSpan;
 use crate::shapes::named_point;
-use faying::geometry::ClosestPoint;
 use faying::linalg::Vector;
-use faying::problem::{Contents, InterfaceId, InterfaceView};
+use faying::problem::{Contents, InterfaceId};
 use serde_json::Value;
 
 /// Distance from a body, as a fraction of an element, within which a point moves to the nearest point of the body.
-const OFF: f64 = 0.25;
+pub(super) const OFF: f64 = 0.25;
 /// Notation of a point, in the plane and in space.
 const POINT: [&str; 2] = ["[x, y]", "[x, y, z]"];
 
@@ -36,9 +36,11 @@ pub struct SideSpot<const S: usize> {
 #[non_exhaustive]
 pub enum Prepared<const S: usize, const N: usize> {
     /// A field at a place.
-    At(FieldName, Spot<N>),
+    At(FieldAbout<N>, Spot<N>),
     /// The least or largest value of a field, or both; in one patch or all.
-    FunctionSpace(FieldName, Vec<usize>, Reduce),
+    FunctionSpace(FieldAbout<N>, Vec<usize>, Reduce),
+    /// The force of the stresses on sides (patch, name), one component.
+    SideForce(Vec<(usize, String)>, usize),
     /// lambda of an interface at a place, one component.
     Lambda(SideSpot<S>, usize),
     /// Pressure (true) or lambda of a contact at a place.
@@ -54,8 +56,8 @@ pub enum Prepared<const S: usize, const N: usize> {
 /// Preparation of quantities for one model.
 #[derive(Debug)]
 pub struct Preparer<'a, const S: usize, const N: usize> {
-    case: &'a Case,
-    contents: Contents<'a, S, N>,
+    pub(super) case: &'a Case,
+    pub(super) contents: Contents<'a, S, N>,
     locators: &'a Locators<'a, S, N>,
     skeleton: &'a Value,
 }
@@ -66,7 +68,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Self { case, contents: locators.contents(), locators, skeleton }
     }
 
-    fn fault(&self, code: &'static str, message: String, at: SourceSpan) -> Box<Diagnostic> {
+    pub(super) fn fault(&self, code: &'static str, message: String, at: SourceSpan) -> Box<Diagnostic> {
         Box::new(Diagnostic::error(code, message).at(&self.case.source, at))
     }
 
@@ -91,6 +93,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             }
             QuantityKind::Path(path) => self.path(text, path, at),
             QuantityKind::SideMeasure(side) => self.side_measure(text, &side, at),
+            QuantityKind::SideForce(side, component) => self.side_force(text, &side, component, at),
             QuantityKind::Multiplier { pressure, name, component, at: place } => {
                 if self.contents.ties().any(|t| t.name() == name) {
                     self.lambda(text, &name, component, &place, at)
@@ -98,8 +101,9 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
                     self.pressure(text, &name, pressure, &place, at)
                 }
             }
-            QuantityKind::Field { field, at: place, patch, reduce } => {
+            QuantityKind::Field { field, about, at: place, patch, reduce } => {
                 self.field_exists(text, field, at)?;
+                let field = FieldAbout { name: field, about: self.centre(text, about, at)? };
                 let bodies = match &patch {
                     Some(name) => self.bodies(name, at)?,
                     None => (0..self.contents.bodies().len()).collect(),
@@ -124,15 +128,32 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         let scalar = self.contents.components() == 1;
         let wrong = match field {
             FieldName::U(Some(_)) if scalar => Some("u has no components in Poisson problems; write u"),
+            FieldName::Norm | FieldName::PolarU(_) if scalar => Some("u has no components in Poisson problems; write u"),
             FieldName::U(None) if !scalar => Some("u has components in elasticity; write u.x or u.y"),
             FieldName::U(Some(c)) | FieldName::Flux(c) if c >= N => Some("this component is not there in the plane"),
             FieldName::Flux(_) if !scalar => Some("the flux belongs to Poisson problems; elasticity has stress.xx, stress.yy, stress.xy"),
-            FieldName::Stress(..) | FieldName::VonMises if scalar => {
-                Some("stresses belong to elasticity; Poisson problems have flux.x, flux.y")
+            _ if scalar && field.is_derived() && !matches!(field, FieldName::Flux(_)) => {
+                Some("stresses and strains belong to elasticity; Poisson problems have flux.x, flux.y")
             }
             _ => None,
         };
         wrong.map_or(Ok(()), |why| Err(self.fault("E018", format!("`{text}` is no quantity here: {why}"), at)))
+    }
+
+    /// The centre of a field's directions; in space the point [x, y] of the axis along z.
+    fn centre(&self, text: &str, about: Vec<String>, at: SourceSpan) -> Result<Vector<N>, Box<Diagnostic>> {
+        match about.len() {
+            0 => Ok(Vector::zeros()),
+            2 => {
+                let plane = about.into_iter().chain(std::iter::repeat_n("0".to_owned(), N - 2)).collect();
+                self.point(text, &At::Point(plane), at)
+            }
+            n => {
+                let message = format!("`{text}`: the centre has {n} coordinates; write about [x, y]");
+                let help = "the axis of polar components is that of z, in space through [x, y, 0]";
+                Err(Box::new(self.fault("E018", message, at).with_help(help)))
+            }
+        }
     }
 
     /// Returns the patches that a name stands for: one, or all those of a file.
@@ -141,7 +162,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         if found.is_empty() { Ok(vec![self.patch(name, at)?]) } else { Ok(found) }
     }
 
-    fn patch(&self, name: &str, at: SourceSpan) -> Result<usize, Box<Diagnostic>> {
+    pub(super) fn patch(&self, name: &str, at: SourceSpan) -> Result<usize, Box<Diagnostic>> {
         let names: Vec<&str> = self.contents.bodies().map(|b| b.name()).collect();
         names.iter().position(|n| *n == name).ok_or_else(|| {
             let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
@@ -164,7 +185,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Err(Box::new(fault.with_help(format!("or write at {}", POINT[N - 2]))))
     }
 
-    fn point(&self, text: &str, place: &At, at: SourceSpan) -> Result<Vector<N>, Box<Diagnostic>> {
+    pub(super) fn point(&self, text: &str, place: &At, at: SourceSpan) -> Result<Vector<N>, Box<Diagnostic>> {
         let list = match place {
             At::Point(list) => list,
             At::Tag(tag) => return self.named_point(text, tag, at),
@@ -224,41 +245,6 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         Ok(Spot { patch, shared, elements: self.locators.around(patch, element, xi, &x) })
     }
 
-    fn side_measure(&self, text: &str, side: &str, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
-        let sides = self.case.find_sides(side);
-        if !sides.is_empty() {
-            let mut sum = 0.0;
-            for s in &sides {
-                let p = self.contents.body(s.patch);
-                let trace = p.body().trace(&s.side);
-                let trace = trace.map_err(|e| self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name()), at))?;
-                sum += p.side_measure(&trace);
-            }
-            return Ok(Prepared::Number(sum));
-        }
-        if let Some(measured) = self.measure_of(side).filter(|_| !text.trim_start().starts_with("length")) {
-            return Ok(measured);
-        }
-        for p in self.contents.bodies() {
-            if let Some(rest) = side.strip_prefix(&format!("{}.", p.name())) {
-                return match p.body().trace(canonical(rest, N).unwrap_or(rest)) {
-                    Ok(trace) => Ok(Prepared::Number(p.side_measure(&trace))),
-                    Err(e) => Err(self.fault("E021", format!("`{text}`: patch \"{}\": {e}", p.name()), at)),
-                };
-            }
-        }
-        let name = side.split('.').next().unwrap_or(side);
-        self.patch(name, at)?;
-        Err(self.fault("E018", format!("`{text}` is no quantity; write length.PATCH.SIDE"), at))
-    }
-
-    /// The area (volume in 3D) of the patches that a name stands for.
-    fn measure_of(&self, name: &str) -> Option<Prepared<S, N>> {
-        let patches = self.case.find_patches(name);
-        let of = |k: &usize| self.contents.body(*k).measure();
-        (!patches.is_empty()).then(|| Prepared::Number(patches.iter().map(of).sum()))
-    }
-
     fn path(&self, text: &str, mut path: Vec<String>, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         if path[0] == "reaction" || path[0] == "reactions" {
             path = self.support(path);
@@ -299,7 +285,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
     }
 
     /// E018 for a contact or interface that the case does not have; `None` for other paths.
-    fn no_couple(&self, text: &str, path: &[String], at: SourceSpan) -> Option<Box<Diagnostic>> {
+    pub(super) fn no_couple(&self, text: &str, path: &[String], at: SourceSpan) -> Option<Box<Diagnostic>> {
         let [kind, name, ..] = path else { return None };
         // glued interfaces are in the case alone
         let ties: Vec<&str> = self.case.interfaces.iter().map(|t| t.name.as_str()).collect();
@@ -328,8 +314,22 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         match (self.contents.components(), N) {
             (1, 2) => &["u", "flux.x", "flux.y"],
             (1, _) => &["u", "flux.x", "flux.y", "flux.z"],
-            (_, 2) => &["u.x", "u.y", "stress.xx", "stress.yy", "stress.xy", "von_mises"],
-            _ => &["u.x", "u.y", "u.z", "stress.xx", "stress.yy", "stress.zz", "stress.xy", "stress.yz", "stress.xz", "von_mises"],
+            (_, 2) => &["u.x", "u.y", "u.norm", "stress.xx", "stress.yy", "stress.xy", "strain.xx", "principal.1", "von_mises"],
+            _ => &[
+                "u.x",
+                "u.y",
+                "u.z",
+                "u.norm",
+                "stress.xx",
+                "stress.yy",
+                "stress.zz",
+                "stress.xy",
+                "stress.yz",
+                "stress.xz",
+                "strain.xx",
+                "principal.1",
+                "von_mises",
+            ],
         }
     }
 
@@ -415,85 +415,5 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             Some(near) => fault.with_label(format!("did you mean `{near}`?")),
             None => fault,
         }
-    }
-
-    /// Converts `reaction.PATCH.SIDE.c` to the label used in the result, for any alias.
-    fn support(&self, path: Vec<String>) -> Vec<String> {
-        let found = |label: &str, rest: &[String]| {
-            let mut out = vec!["reactions".to_string(), label.to_owned()];
-            out.extend_from_slice(rest);
-            if self.contents.components() == 1 && out.len() == 2 {
-                out.push("0".into());
-            }
-            out
-        };
-        // the component may be left out in Poisson problems
-        for end in [path.len() - 1, path.len()] {
-            if end < 2 {
-                continue;
-            }
-            let [wanted] = &self.case.find_sides(&path[1..end].join("."))[..] else { continue };
-            let mut supports = self.contents.supports().filter(|s| s.is_side && s.body == wanted.patch && s.name == wanted.side);
-            // several parts of one side are distinguished by their labels only
-            if let (Some(support), None) = (supports.next(), supports.next()) {
-                return found(support.label, &path[end..]);
-            }
-        }
-        // edges and corners
-        for (k, p) in self.contents.bodies().enumerate() {
-            let n = p.name().split('.').count();
-            if path.len() < n + 2 || path[1..=n].join(".") != p.name() {
-                continue;
-            }
-            if let Some(support) = self.contents.supports().find(|s| !s.is_side && s.body == k && s.name == path[n + 1]) {
-                return found(support.label, &path[n + 2..]);
-            }
-        }
-        path
-    }
-
-    fn lambda(
-        &self,
-        text: &str,
-        name: &str,
-        component: Option<usize>,
-        place: &At,
-        at: SourceSpan,
-    ) -> Result<Prepared<S, N>, Box<Diagnostic>> {
-        let component = match (component, self.contents.components()) {
-            (None, 1) => 0,
-            (Some(c), n) if n > 1 && c < n => c,
-            (None, _) => return Err(self.fault("E018", format!("`{text}`: lambda has components; write interface.{name}.lambda.x"), at)),
-            _ => return Err(self.fault("E018", format!("`{text}`: lambda has no such component"), at)),
-        };
-        let x = self.point(text, place, at)?;
-        let Some(tie) = self.contents.ties().find(|t| t.name() == name) else {
-            return Err(self.fault("E018", format!("`{text}`: there is no interface \"{name}\""), at));
-        };
-        Ok(Prepared::Lambda(self.on_sides(text, &tie, &x, at)?, component))
-    }
-
-    fn pressure(&self, text: &str, name: &str, pressure: bool, place: &At, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
-        let Some(contact) = self.contents.contacts().find(|c| c.name() == name) else {
-            let kind = text.trim_start().split('.').next().unwrap_or_default().to_owned();
-            return match self.no_couple(text, &[kind, name.to_owned()], at) {
-                Some(fault) => Err(fault),
-                None => Err(self.fault("E018", format!("`{text}`: contacts have a pressure, interfaces lambda"), at)),
-            };
-        };
-        let x = self.point(text, place, at)?;
-        Ok(Prepared::Pressure(self.on_sides(text, &contact, &x, at)?, pressure))
-    }
-
-    fn on_sides(&self, text: &str, of: &InterfaceView<'_, S, N>, x: &Vector<N>, at: SourceSpan) -> Result<SideSpot<S>, Box<Diagnostic>> {
-        let mut best: Option<(f64, SideSpot<S>)> = None;
-        for (number, slave) in of.sides().into_iter().enumerate() {
-            let space = slave.side().trace().space.clone();
-            let Some(p) = ClosestPoint::new(space.clone()).project(x) else { continue };
-            if p.distance <= OFF * space.bounds(p.element).diagonal() && best.as_ref().is_none_or(|b| p.distance < b.0) {
-                best = Some((p.distance, SideSpot { of: of.id(), side: number, element: p.element, xi: p.xi }));
-            }
-        }
-        best.map(|(_, spot)| spot).ok_or_else(|| self.fault("E022", format!("`{text}`: the point is not on the slave side"), at))
     }
 }

@@ -33,8 +33,28 @@ pub const QUANTITIES: &[QuantityRow] = &[
         "length",
         "u.y at [1.0, 0.5] in upper",
     ),
+    row("u.norm", "the length of the displacement at a point, or an extreme", "length", "u.norm.max"),
+    row(
+        "u.r",
+        "radial (r) or tangential (t, anticlockwise) displacement about a centre in the plane of x and y",
+        "length",
+        "u.r about [0, 0] at [1, 0]",
+    ),
     row("flux.x", "a component of k grad u (Poisson) at a point, or an extreme", "unit of u/length", "flux.x at [0.5, 0.5]"),
     row("stress.xx", "a component of the stress at a point, or an extreme; tension is positive", "force/area", "stress.yy.max in lower"),
+    row(
+        "stress.rr",
+        "radial (rr), tangential (tt) or shear stress (rt) about a centre, in space about the axis along z through it; strain.rr alike",
+        "force/area",
+        "stress.tt about [0, 0] at [1, 0] in ring",
+    ),
+    row("principal.1", "a principal stress, the largest first, at a point, or an extreme", "force/area", "principal.1.max"),
+    row(
+        "strain.xx",
+        "a component of the strain at a point, or an extreme; strain.xy is (du_x/dy + du_y/dx) / 2, half the angle of shear",
+        "",
+        "strain.xx at [0.5, 0.5]",
+    ),
     row("von_mises", "the equivalent stress of von Mises at a point, or an extreme", "force/area", "von_mises.max"),
     row("energy", "1/2 a(u, u): stored energy of all bodies, springs and foundations", "force length", "energy"),
     row("unknowns", "number of unknowns, `unknowns.primal` and `unknowns.multipliers`", "", "unknowns.primal"),
@@ -55,6 +75,12 @@ pub const QUANTITIES: &[QuantityRow] = &[
         "reaction.lower.bottom.y",
     ),
     row("loads.NAME.force.x", "resultant of a load as the rules of the case integrate it", "force", "loads.boundary-0.force.y"),
+    row(
+        "force.PATCH.SIDE.x",
+        "force of the stresses on a side, ∫ sigma n ds, n out of the patch: it converges with the mesh; force.PATCH.SIDE is the flux in Poisson's equation",
+        "force",
+        "force.lower.top.y",
+    ),
     row("balance.force.x", "sum of all external forces and reactions: zero up to rounding", "force", "balance.force.y"),
     row("area.PATCH", "area of a patch in the plane, volume.PATCH in space", "length^2", "area.lower"),
     row("length.PATCH.SIDE", "length of a side in the plane, area.PATCH.SIDE in space", "length", "length.lower.top"),
@@ -63,6 +89,12 @@ pub const QUANTITIES: &[QuantityRow] = &[
         "multiplier of a tie at a point of the slave side: minus the slave's traction (k du/dn in Poisson's equation)",
         "force/area",
         "interface.arc.lambda at [0, 1]",
+    ),
+    row(
+        "interface.NAME.force.x",
+        "force of the master on the slave, .moment about the origin; interface.NAME.force.0 is the flux in Poisson's equation",
+        "force",
+        "interface.arc.force.y",
     ),
     row("interface.NAME.jump.L2", "L2 norm of the jump of u over an interface", "", "interface.arc.jump.L2"),
     row(
@@ -103,9 +135,17 @@ fn fits(pattern: &str, part: &str) -> bool {
     match pattern {
         "x" => matches!(part, "x" | "y" | "z"),
         "xx" => matches!(part, "xx" | "yy" | "zz" | "xy" | "yz" | "xz"),
+        "r" => matches!(part, "r" | "t"),
+        "rr" => matches!(part, "rr" | "tt" | "rt"),
+        "1" => matches!(part, "1" | "2" | "3"),
         _ if pattern.chars().all(|c| c.is_ascii_uppercase()) => true,
         _ => pattern == part,
     }
+}
+
+/// Whether a word is a quantity, with a centre if it lacks one.
+fn is_quantity(word: &str) -> bool {
+    Quantity::parse(word).is_ok() || Quantity::parse(&format!("{word} about [0, 0]")).is_ok()
 }
 
 /// The quantities that a word names: one of the list, a quantity as a probe has it, or a part of a path such as `half_width`.
@@ -121,7 +161,7 @@ pub fn find(word: &str) -> Vec<&'static QuantityRow> {
         .filter(|k| {
             let (pattern, path): (Vec<&str>, Vec<&str>) = (k.pattern.split('.').collect(), head.split('.').collect());
             // extremes and components may follow
-            path.len() >= pattern.len() && pattern.iter().zip(&path).all(|(p, w)| fits(p, w)) && Quantity::parse(word).is_ok()
+            path.len() >= pattern.len() && pattern.iter().zip(&path).all(|(p, w)| fits(p, w)) && is_quantity(word)
         })
         .collect();
     let longest = whole.iter().map(|k| k.pattern.split('.').count()).max();
@@ -136,7 +176,7 @@ pub fn find(word: &str) -> Vec<&'static QuantityRow> {
 /// The quantities as a chapter of the reference, in Markdown.
 pub fn page() -> String {
     let mut out = String::from(
-        "\n## Quantities of probes and checks\n\nWords in capitals stand for names. Fields take `at [x, y]` or `at TAG`, `in PATCH`, and `.min`, `.max`; any number of \
+        "\n## Quantities of probes and checks\n\nWords in capitals stand for names. Fields take `at [x, y]` or `at TAG`, `in PATCH`, and `.min`, `.max`; those with directions about a centre `about [x, y]`; any number of \
          result.json is a quantity by its path.\n\n| quantity | meaning | unit | example |\n| --- | --- | --- | --- |\n",
     );
     for row in QUANTITIES {

@@ -124,6 +124,10 @@ pub struct L2 {
 /// One tied interface.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct InterfaceReport {
+    /// Force of the masters on the slaves, of conduction the flux into them \[force\].
+    pub force: Vec<f64>,
+    /// Its moment about the origin; zero in conduction [force length].
+    pub moment: Moment,
     /// Norm of the multiplier.
     pub lambda: Norm,
     /// Norm of u_slave - u_master.

@@ -5,7 +5,7 @@ mod couples;
 mod forces;
 mod solve;
 
-pub use answers::{CheckReport, ProbeReport};
+pub use answers::{CheckReport, LineReport, ProbeReport};
 pub use couples::{ContactReport, Extremes, Gaps, GluedSides, InterfaceReport, Kkt, L2, MultiplierReport, Norm, SegmentsReport, TiedSides};
 pub use forces::{Balance, LoadReport, Moment};
 pub use solve::{ActiveSetSummary, Prediction, SolveReport, Unknowns};
@@ -155,6 +155,9 @@ pub struct RunResult {
     pub errors_reason: Option<String>,
     /// Probes in the order of the case.
     pub probes: Vec<ProbeReport>,
+    /// Lines in the order of the case, at the last step.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub lines: Vec<LineReport>,
     /// Checks in the order of the case.
     pub checks: Vec<CheckReport>,
     /// Checks that were decided.
@@ -201,6 +204,7 @@ impl RunResult {
             errors: IndexMap::default(),
             errors_reason: None,
             probes: Vec::new(),
+            lines: Vec::new(),
             checks: Vec::new(),
             checks_performed: 0,
             checks_expected: 0,

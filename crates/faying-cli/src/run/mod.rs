@@ -20,9 +20,9 @@ use forecast::avoids_factors;
 
 use super::lower::{self, LoweredCase, Places};
 use super::output::{Finished, Output, RunOptions, StepOutput};
-use super::quantities::Questions;
+use super::quantities::{Questions, Step, Told};
 use super::registry::{Names, Registry};
-use super::result::{Prediction, RunResult, Status, StepReport};
+use super::result::{Prediction, ProbeReport, RunResult, Status, StepReport};
 use super::run_control::{Progress, RunControl};
 use super::shapes::{MakeControlNet, plane_net, solid_net};
 use crate::case::Case;
@@ -378,7 +378,8 @@ where
     let times = &case.steps.value;
     let (system, reference) = (&mut model.system, model.reference.as_ref());
     let mut solved = Vec::<Arc<Solved<S, N>>>::new();
-    let mut measures = Measures { case, reference, questions: &questions, places: &model.places, told: Vec::new() };
+    let mut measures =
+        Measures { case, reference, questions: &questions, places: &model.places, told: Vec::new(), answers: Told::default() };
     let mut finished = false;
     for (k, &t) in times.iter().enumerate() {
         if let Some(stop) = watch.stop() {
@@ -398,13 +399,13 @@ where
         };
         watch.phase("measure");
         finished = k + 1 == times.len();
-        measures.enter(k, system, solution.as_ref(), failure.as_ref(), &mut result);
+        let probes = measures.enter(k, system, solution.as_ref(), failure.as_ref(), &mut result);
         end_early(&mut result, watch);
         let status = result.status;
         if case.has_steps() {
             let contact = solution.as_ref().map(|_| result.contact.clone()).unwrap_or_default();
             let active_set = solution.as_ref().and_then(|_| result.solve.as_ref()?.active_set.clone());
-            result.steps.push(StepReport { t, status, probes: result.probes.clone(), contact, active_set });
+            result.steps.push(StepReport { t, status, probes, contact, active_set });
         }
         if let Some(solution) = solution {
             if !case.has_steps() {
@@ -417,7 +418,7 @@ where
         }
     }
     if !finished {
-        questions.checks(case, None, &mut result);
+        questions.close(case, &mut result, &mut measures.answers);
     }
     Ok((result, solved))
 }
@@ -430,10 +431,13 @@ struct Measures<'a, const S: usize, const N: usize> {
     places: &'a Places,
     /// Warnings about the states so far.
     told: Vec<Warning>,
+    /// Probes and checks of the steps so far.
+    answers: Told,
 }
 
 impl<const S: usize, const N: usize> Measures<'_, S, N> {
-    /// Enters step `k` into the result: its status, numbers and diagnostics, the probes and, of the last step, the checks.
+    /// Enters step `k` into the result: its status, numbers and diagnostics, the probes and, with the last step, the checks; returns all
+    /// probes at its end.
     fn enter(
         &mut self,
         k: usize,
@@ -441,7 +445,7 @@ impl<const S: usize, const N: usize> Measures<'_, S, N> {
         solution: Option<&Solution<S, N>>,
         failure: Option<&StepError>,
         result: &mut RunResult,
-    ) {
+    ) -> Vec<ProbeReport> {
         let (case, times) = (self.case, &self.case.steps.value);
         let t = times[k];
         let when = |d: Diagnostic| if case.has_steps() { at_step(d, k, t) } else { d };
@@ -467,13 +471,18 @@ impl<const S: usize, const N: usize> Measures<'_, S, N> {
             solve.reason = reason.into();
         }
         result.diagnostics.extend(fault.map(when));
-        self.questions.probes(case, solution, result);
-        // checks refer to the end: the last step, or the one that ended the run
-        if k + 1 == times.len() && !self.questions.checks(case, solution, result) && status == Status::Ok {
+        if let Some(solution) = solution {
+            self.questions.lines(case, solution, result);
+        }
+        let step = Step { t, is_last: k + 1 == times.len() };
+        let probes = self.questions.probes(case, &step, solution, result, &mut self.answers);
+        self.questions.checks(case, &step, solution, result, &mut self.answers);
+        if step.is_last && !self.questions.close(case, result, &mut self.answers) && status == Status::Ok {
             status = Status::CheckFailed;
         }
         result.status = status;
         result.exit = status.exit();
+        probes
     }
 }
 

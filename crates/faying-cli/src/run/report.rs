@@ -43,8 +43,8 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, buil
         (c.name().to_owned(), report)
     };
     result.contact = contents.contacts().map(contact).collect();
-    result.interface = contents.ties().map(|t| (t.name().to_owned(), tied(&t))).collect();
     let components = contents.components();
+    result.interface = contents.ties().map(|t| (t.name().to_owned(), tied(&t, components))).collect();
     for support in contents.supports() {
         result.reactions.entry(support.label.to_owned()).or_insert_with(|| vec![0.0; components]);
     }
@@ -170,8 +170,8 @@ fn contact_report<const N: usize>(result: ContactResult<N>, iterations: usize) -
 }
 
 /// Report of an interface before anything is solved.
-fn tied<const S: usize, const N: usize>(tie: &InterfaceView<'_, S, N>) -> InterfaceReport {
-    let mut report = InterfaceReport::default();
+fn tied<const S: usize, const N: usize>(tie: &InterfaceView<'_, S, N>, components: usize) -> InterfaceReport {
+    let mut report = InterfaceReport { force: vec![0.0; components], moment: moment::<N>([0.0; 3]), ..InterfaceReport::default() };
     let mut whole = 0.0;
     let mut covered = 0.0;
     for slave in tie.sides() {
@@ -196,6 +196,8 @@ fn segments<const N: usize>([count, lost]: [usize; 2], measure: f64, outside: f6
 
 fn interface_report<const N: usize>(report: InterfaceReport, result: TieResult) -> InterfaceReport {
     InterfaceReport {
+        force: result.force[..report.force.len()].to_vec(),
+        moment: moment::<N>(result.moment),
         segments: segments::<N>([result.pieces, result.lost], result.area, result.outside, true),
         lambda: Norm { norm: result.multiplier },
         jump: L2 { l2: result.jump },

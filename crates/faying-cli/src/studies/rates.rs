@@ -84,7 +84,7 @@ pub(crate) fn decided(report: &mut CheckReport, rate: Option<f64>, condition: &C
             look_up(numbers, &path).unwrap_or_else(|| Err(format!("a check on {on} cannot ask for `{text}`")))
         };
         let values: Result<Vec<f64>, String> = f.quantities().iter().map(|q| value(&q.text)).collect();
-        Some(f.value_with(&values?)).filter(|v| v.is_finite()).ok_or_else(|| format!("`{}` is not finite", f.text()))
+        Some(f.value_with(1.0, &values?)).filter(|v| v.is_finite()).ok_or_else(|| format!("`{}` is not finite", f.text()))
     };
     let optional = |f: &Option<crate::place::Located<Formula>>| f.as_ref().map_or(Ok(0.0), |f| number(&f.value));
     let verdict = || -> Result<(f64, f64, bool), String> {

@@ -8,7 +8,7 @@ use crate::case::{Case, sha256};
 use crate::codes;
 use crate::errors::{Diagnostic, Severity};
 use crate::json;
-use crate::result::{CheckReport, ProbeReport, RunResult, Status};
+use crate::result::{CheckReport, LineReport, ProbeReport, RunResult, Status};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -144,6 +144,7 @@ fn result(document: &Value, command: &str, name: &str) -> Option<RunResult> {
         result.errors = map.iter().filter(|(k, _)| *k != "reason").map(|(k, v)| (k.clone(), number(v))).collect();
     }
     result.probes = document["probes"].as_array()?.iter().map(probe).collect::<Option<_>>()?;
+    result.lines = document["lines"].as_array().map_or(Some(Vec::new()), |all| all.iter().map(line).collect())?;
     result.checks = document["checks"].as_array()?.iter().map(check).collect::<Option<_>>()?;
     result.checks_performed = count(&document["checks_performed"]);
     result.checks_expected = count(&document["checks_expected"]);
@@ -163,8 +164,21 @@ fn probe(v: &Value) -> Option<ProbeReport> {
         quantity,
         value: number(&v["value"]),
         at: place_of(&v["at"]),
+        t: v["t"].as_f64(),
         patch: text_of(&v["patch"]),
         reason: text_of(&v["reason"]),
+    })
+}
+
+fn line(v: &Value) -> Option<LineReport> {
+    let numbers = |v: &Value| -> Option<Vec<f64>> { Some(v.as_array()?.iter().map(number).collect()) };
+    let lists = |v: &Value| -> Option<Vec<Vec<f64>>> { v.as_array()?.iter().map(numbers).collect() };
+    Some(LineReport {
+        name: text_of(&v["name"])?,
+        quantities: v["quantities"].as_array()?.iter().map(text_of).collect::<Option<_>>()?,
+        s: numbers(&v["s"])?,
+        x: lists(&v["x"])?,
+        values: lists(&v["values"])?,
     })
 }
 
@@ -179,6 +193,7 @@ fn check(v: &Value) -> Option<CheckReport> {
         quantity: text_of(&v["quantity"])?,
         value: number(&v["value"]),
         at: place_of(&v["at"]),
+        t: v["t"].as_f64(),
         expected: number(&v["expected"]),
         ok: v["ok"].as_bool()?,
         relation: text_of(&v["relation"])?,
@@ -220,6 +235,7 @@ mod tests {
             quantity: "energy".into(),
             value: f64::NAN,
             at: Some(vec![0.1, 1.0 / 3.0]),
+            t: Some(0.1),
             patch: None,
             reason: None,
         });

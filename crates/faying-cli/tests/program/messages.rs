@@ -172,7 +172,7 @@ fn points_of_a_mesh_are_no_sides_and_the_message_says_what_they_take() {
 fn a_side_with_two_partners_is_to_be_cut() {
     let at = folder();
     let tie = "interface=[{ slave = \"upper.bottom\", master = \"lower.top\" }]";
-    says(at.path(), &[tie], &["E026", "slave twice", "cut it, a patch or a group of the mesh per partner"]);
+    says(at.path(), &[tie], &["E026", "slave twice", "cut it, by `where`, a patch or a group of the mesh per partner"]);
 }
 
 #[test]

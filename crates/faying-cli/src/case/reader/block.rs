@@ -195,7 +195,6 @@ impl Reader {
         let fault = match plain {
             Plain::Never => Some((entry.key_at, format!("`{name}`"))),
             Plain::Zero => (!self.is_zero(node)).then(|| (entry.key_at, format!("`{name}`"))),
-            Plain::Off => (!matches!(node.value, Value::Bool(false))).then(|| (entry.key_at, format!("`{name}`"))),
             Plain::Words(plain, others) => {
                 let words: Vec<(&str, Option<&str>)> =
                     plain.iter().map(|w| (*w, None)).chain(others.iter().map(|w| (*w, Some(*w)))).collect();

@@ -51,11 +51,15 @@ pub(in crate::case) const INTERFACE: &[Key] = &[
     extra_points().only(NOT_GLUED),
     Key::new("tolerance", KeyKind::Auto, "largest distance of the sides").unit("length").default("\"auto\""),
     Key::of("exact", Special::Field, "exact multiplier, for its error").unit("force/area").optional("[\"0\", \"-1\"]").only(NOT_GLUED),
-    PART,
+    PART.only(NOT_GLUED),
 ];
 
-const PART: Key =
-    later("where", Plain::Never, "\"x > 0\"", "give the part a side of its own: a tag in the mesh, or a patch that ends there");
+const PART: Key = Key::new(
+    "where",
+    KeyKind::Formula,
+    "keeps only the slave's facets whose centre satisfies it, so that a side may have several partners",
+)
+.optional("\"x > 0\"");
 
 pub(in crate::case) const CONTACT: &[Key] = &[
     name(),
@@ -76,7 +80,12 @@ pub(in crate::case) const CONTACT: &[Key] = &[
     Key::new("symmetry", KeyKind::Flag, "a zone that ends at the end of the side goes on beyond it (half models)").default("false"),
     Key::of("active_set", Special::Block(ACTIVE_SET), "settings of the active set").default("{}"),
     PART,
-    later("adjust", Plain::Off, "false", "state the gap by its formula: gap = \"0\" is closed everywhere at first"),
+    Key::new(
+        "adjust",
+        KeyKind::Flag,
+        "close gaps and overlaps at rest that facets explain: up to twice their distance from the surfaces for which they stand",
+    )
+    .default("false"),
     later("friction", Plain::Zero, "0", "contact is frictionless here: leave it out, or write 0"),
 ];
 

@@ -39,7 +39,18 @@ pub(in crate::case) const SOLVER: &[Key] = &[
 pub(in crate::case) const PROBE: &[Key] = &[
     name(),
     quantity(),
-    later("t", Plain::Never, "0.5", "leave it out: `steps` of result.json and history.csv hold every probe at every step"),
+    Key::of("t", ASKED_STEPS, "its step, by default the last; `steps` of result.json and history.csv hold every probe at every step")
+        .optional("0.5"),
+];
+
+const ASKED_STEPS: Special = Special::Only("a time of [steps], or \"all\"", r#"{"anyOf":[{"type":"number"},{"const":"all"}]}"#);
+
+pub(in crate::case) const LINE: &[Key] = &[
+    name(),
+    Key::of("quantity", Special::Words, "a field, or a list of them").required("\"stress.yy\"").aliases(&["quantities"]),
+    Key::new("from", KeyKind::Vector, "the point at which it begins").unit("length").required("[0, 0]"),
+    Key::new("to", KeyKind::Vector, "the point at which it ends").unit("length").required("[0, 1]"),
+    Key::new("n", KeyKind::Whole(2, 100_000), "number of points, both ends included").default("101"),
 ];
 
 const fn quantity() -> Key {
@@ -59,7 +70,7 @@ pub(in crate::case) const CHECK: &[Key] = &[
     Key::of("atol", BOUND, "absolute tolerance of equals").optional("1e-12").only(EQUALS),
     Key::new("over", KeyKind::Word(&["all"]), "check minimum and maximum of the field").optional("\"all\""),
     Key::of("backend", Special::Entry(EntryFamily::Backends), "evaluate only if all patches use this backend").optional("\"iga\""),
-    later("t", Plain::Never, "0.5", "a check is one of the last step: end [steps] at that time"),
+    Key::of("t", ASKED_STEPS, "the step at which it has to hold, by default the last; all: every step").optional("0.5"),
 ];
 
 /// Commands with a table of their own.

@@ -11,14 +11,13 @@ mod sides;
 pub(super) use bodies::{GRADE, PATCH, geometries};
 pub(super) use common::word;
 pub(super) use couples::{ACTIVE_SET, CONTACT, INTERFACE, MULTIPLIER, SEED};
-pub(super) use demand::{CHECK, PROBE, SOLVER, STEPS, STUDIES, STUDY};
+pub(super) use demand::{CHECK, LINE, PROBE, SOLVER, STEPS, STUDIES, STUDY};
 pub(super) use model::{DISCRETIZATION, EXACT, MATERIAL, MODEL};
 pub(super) use obstacles::{CURVE, obstacles};
 pub(super) use sides::BOUNDARY;
 
-use super::key::{Inside, Key, KeyKind, Plain, Special};
+use super::key::{Inside, Key, KeyKind, Special};
 use super::names::Names;
-use common::later;
 
 /// Top level.
 pub(super) const ROOT: &[Key] = &[
@@ -40,7 +39,7 @@ pub(super) const ROOT: &[Key] = &[
     Key::of("steps", Special::Block(STEPS), "times; without it one step at t = 1").optional("{ count = 4 }"),
     Key::of("solver", Special::Block(SOLVER), "how the systems are solved").optional("{ linear = \"direct\" }"),
     Key::of("probe", Special::Blocks(PROBE), "quantities to report").optional("[]"),
-    later("line", Plain::Never, "[]", "write a [[probe]] for every point of the line"),
+    Key::of("line", Special::Blocks(LINE), "fields along straight lines: csv and svg").optional("[]"),
     Key::of("check", Special::Blocks(CHECK), "conditions that decide between exit 0 and 1").optional("[]"),
     Key::of("study", Special::BlockPer(STUDIES, STUDY), "defaults of studies, a table per command").optional("{}"),
 ];

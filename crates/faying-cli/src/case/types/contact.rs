@@ -122,6 +122,8 @@ pub struct Contact {
     pub name: Located<String>,
     /// Slave sides.
     pub slave: Vec<Located<SideRef>>,
+    /// `where`: keeps only the slave's facets whose centre satisfies it.
+    pub filter: Option<Located<Formula>>,
     /// Master sides or rigid obstacle.
     pub master: Master,
     /// The gap as a formula of the geometric gap g and x, y, z, t; default g.
@@ -146,6 +148,8 @@ pub struct Contact {
     pub exact: Option<Located<Formula>>,
     /// Whether a zone that ends at the end of the side goes on beyond it: half models.
     pub symmetry: Located<bool>,
+    /// Whether gaps and overlaps at rest that facets explain are closed.
+    pub adjust: Located<bool>,
     /// Active set.
     pub active_set: ActiveSetSpec,
 }

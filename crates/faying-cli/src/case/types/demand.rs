@@ -4,6 +4,15 @@ use super::Head;
 use crate::formula::Formula;
 use crate::place::Located;
 
+/// Steps at which a probe or a check is asked.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AskedSteps {
+    /// Every step.
+    All,
+    /// The step at this time.
+    At(f64),
+}
+
 /// `[[probe]]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
@@ -13,6 +22,25 @@ pub struct Probe {
     pub name: Located<String>,
     /// The quantity as text.
     pub quantity: Located<String>,
+    /// Steps; `None`: the last one.
+    pub t: Option<Located<AskedSteps>>,
+}
+
+/// `[[line]]`: fields at points of a straight line, its ends included.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// The block.
+    pub head: Head,
+    /// Its name, `line-0`, ... by default.
+    pub name: Located<String>,
+    /// The fields as texts.
+    pub quantities: Vec<Located<String>>,
+    /// The point at which it begins \[length\].
+    pub from: Located<Vec<f64>>,
+    /// The point at which it ends \[length\].
+    pub to: Located<Vec<f64>>,
+    /// Number of points.
+    pub n: Located<usize>,
 }
 
 /// Condition of a check; the numbers may be formulas of constants and quantities.
@@ -49,6 +77,8 @@ pub struct Check {
     pub backend: Option<Located<String>>,
     /// `over = "all"`: both extremes.
     pub over_all: Option<Located<()>>,
+    /// Steps; `None`: the last one.
+    pub t: Option<Located<AskedSteps>>,
 }
 
 /// `[study.NAME]`: values of a study that the command line does not give.

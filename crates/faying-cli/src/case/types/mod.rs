@@ -139,6 +139,8 @@ pub struct Case {
     pub solver: Solver,
     /// `[[probe]]`.
     pub probes: Vec<Probe>,
+    /// `[[line]]`.
+    pub lines: Vec<Line>,
     /// `[[check]]`.
     pub checks: Vec<Check>,
     /// The `[study.NAME]` tables.
@@ -184,6 +186,7 @@ impl PartialEq for Case {
             && self.steps == other.steps
             && self.solver == other.solver
             && self.probes == other.probes
+            && self.lines == other.lines
             && self.checks == other.checks
             && self.studies == other.studies
     }

@@ -32,6 +32,8 @@ pub struct Tie {
     pub name: Located<String>,
     /// Slave sides.
     pub slave: Vec<Located<SideRef>>,
+    /// `where`: keeps only the slave's facets whose centre satisfies it.
+    pub filter: Option<Located<Formula>>,
     /// Master sides.
     pub master: Vec<Located<SideRef>>,
     /// Patches whose touching sides are coupled, "all" for all; replaces slave and master.

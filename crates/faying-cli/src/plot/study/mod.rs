@@ -36,7 +36,10 @@ pub struct StudyPanel {
     pub y_log: bool,
     /// Whether slopes are shown by triangles: both axes logarithmic, x the size of the elements.
     pub slopes: bool,
-    /// Points of every line of the group, in the order of its rows; points without a logarithm on a logarithmic axis are left out.
+    /// Whether points have no marks.
+    pub bare: bool,
+    /// Points of every line of the group, in the order of its rows; points without a logarithm on a logarithmic axis are left out, and lines
+    /// are cut where a value is no number.
     pub points: Vec<Vec<(f64, f64)>>,
 }
 

@@ -13,10 +13,14 @@ fn vertical(panel: &StudyPanel) -> &'static Axis {
     if panel.y_log { &Axis::Log } else { &Axis::Linear }
 }
 
+/// Whether a point has a place.
+fn is_drawn(panel: &StudyPanel, p: &(f64, f64)) -> bool {
+    Scale::knows(&panel.x_axis, p.0) && Scale::knows(vertical(panel), p.1)
+}
+
 /// The points of every line that is drawn.
 fn lines(panel: &StudyPanel) -> impl Iterator<Item = Vec<(f64, f64)>> {
-    let known = |p: &(f64, f64)| Scale::knows(&panel.x_axis, p.0) && Scale::knows(vertical(panel), p.1);
-    panel.points.iter().take(MOST_LINES).map(move |line| line.iter().copied().filter(known).collect())
+    panel.points.iter().take(MOST_LINES).map(move |line| line.iter().copied().filter(|p| is_drawn(panel, p)).collect())
 }
 
 /// Both axes; `None` without points.
@@ -64,15 +68,21 @@ pub fn draw(
         for triangle in slopes {
             slope(root, triangle, &px, &py)?;
         }
-        let places: Vec<Vec<(i32, i32)>> = all.iter().map(|line| line.iter().map(|p| (px(p.0), py(p.1))).collect()).collect();
+        let place = |p: &(f64, f64)| (px(p.0), py(p.1));
+        let places: Vec<Vec<(i32, i32)>> = all.iter().map(|line| line.iter().map(place).collect()).collect();
         let near = |(a, b): (&(i32, i32), &(i32, i32))| (a.0 - b.0).abs().max((a.1 - b.1).abs()) <= units(SAME);
-        for (k, at) in places.iter().enumerate() {
+        for (k, line) in panel.points.iter().take(MOST_LINES).enumerate() {
+            let at = &places[k];
             let over = places[..k].iter().any(|other| other.len() == at.len() && other.iter().zip(at).all(near));
-            if at.len() > 1 {
-                trace(root, k, at, over)?;
-            }
             let number = names.get(k).map_or(0, |line| line.mark);
-            at.iter().try_for_each(|p| mark(root, (k, number), *p, over))?;
+            for run in line.split(|p| p.1.is_nan()) {
+                let at: Vec<(i32, i32)> = run.iter().filter(|p| is_drawn(panel, p)).map(place).collect();
+                if at.len() > 1 {
+                    trace(root, k, &at, over)?;
+                }
+                let is_bare = panel.bare && at.len() > 1;
+                at.into_iter().filter(|_| !is_bare).try_for_each(|p| mark(root, (k, number), p, over))?;
+            }
         }
     }
     root.draw(&PathElement::new(vec![(units(left), units(top)), (units(left), base), (units(left + w), base)], stroke(GREY, 1.0)))?;

@@ -1,0 +1,93 @@
+//! `[[line]]`: fields along straight lines, in files of runs and studies.
+
+use std::path::PathBuf;
+use std::process::{Command, Output};
+
+/// u = x in the boxes [0, 1] and [2, 3] x [0, 1].
+const BOXES: &str = "[model]\nphysics = \"poisson\"\ndimension = 2\n[[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\n\
+    elements = [2, 2]\n[[patch]]\nname = \"b\"\ngeometry = { kind = \"box\", min = [2, 0], max = [3, 1] }\nelements = [2, 2]\n\
+    [[boundary]]\non = \"all-outer\"\ndirichlet = \"x\"\n";
+
+const LINE: &str = "[[line]]\nname = \"across\"\nquantity = [\"u\", \"flux.x in b\"]\nfrom = [-0.5, 0.5]\nto = [3.5, 0.5]\nn = 9\n";
+
+fn folder(name: &str, text: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("faying-along-{name}-{}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("case.toml"), text).unwrap();
+    folder
+}
+
+fn faying(folder: &PathBuf, words: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_faying")).args(words).current_dir(folder).output().unwrap()
+}
+
+/// Names of the columns, and numbers row by row; NaN where a cell is empty.
+fn table(text: &str) -> (Vec<String>, Vec<Vec<f64>>) {
+    let mut lines = text.lines();
+    let head = lines.next().unwrap().split(',').map(str::to_owned).collect();
+    let number = |cell: &str| if cell.is_empty() { f64::NAN } else { cell.parse().unwrap() };
+    (head, lines.map(|line| line.split(',').map(number).collect()).collect())
+}
+
+#[test]
+fn a_line_is_empty_outside_of_bodies_and_has_a_table_and_a_picture() {
+    let folder = folder("run", &(BOXES.to_owned() + LINE));
+    let done = faying(&folder, &["run", "case.toml"]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let read = |name: &str| std::fs::read_to_string(folder.join("case.out").join(name)).unwrap();
+    let (head, rows) = table(&read("line_across.csv"));
+    assert_eq!(head, ["s", "x", "y", "u", "flux.x in b"]);
+    assert_eq!(rows.len(), 9);
+    for (k, row) in rows.iter().enumerate() {
+        let x = -0.5 + 0.5 * k as f64;
+        assert!((row[0] - 0.5 * k as f64).abs() < 1e-15 && (row[1] - x).abs() < 1e-15 && row[2] == 0.5, "{row:?}");
+        let (in_a, in_b) = ((0.0..=1.0).contains(&x), (2.0..=3.0).contains(&x));
+        assert!(if in_a || in_b { (row[3] - x).abs() < 1e-13 } else { row[3].is_nan() }, "{row:?}");
+        assert!(if in_b { (row[4] - 1.0).abs() < 1e-12 } else { row[4].is_nan() }, "{row:?}");
+    }
+    // the line of u is cut between the boxes: a stroke in each
+    let svg = read("line_across.svg");
+    assert!(svg.contains("flux.x in b") && svg.contains("distance from (-0.5, 0.5)"), "{svg}");
+    let result: serde_json::Value = serde_json::from_str(&read("result.json")).unwrap();
+    assert!((result["lines"][0]["values"][0][2].as_f64().unwrap() - 0.5).abs() < 1e-13);
+    assert!(result["lines"][0]["values"][0][0].is_null());
+    let listed = result["files"].as_array().unwrap().iter().filter(|f| f.as_str().unwrap().starts_with("line_")).count();
+    assert_eq!(listed, 2);
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn backends_stand_beside_each_other_and_a_study_that_goes_on_keeps_them() {
+    let folder = folder("compare", &(BOXES.to_owned() + LINE));
+    for resume in [false, true] {
+        let words = ["compare", "case.toml", "--backends", "iga,fe"];
+        let done = if resume { faying(&folder, &[&words[..], &["--resume"]].concat()) } else { faying(&folder, &words) };
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        let text = std::fs::read_to_string(folder.join("case.compare/line_across.csv")).unwrap();
+        let (head, rows) = table(&text.replace("iga, ", "iga ").replace("fe, ", "fe ").replace('"', ""));
+        assert_eq!(head.len(), 3 + 2 * 2, "{head:?}");
+        assert!(head[3].starts_with("iga") && head[5].starts_with("fe"), "{head:?}");
+        for row in rows.iter().filter(|row| (0.0..=1.0).contains(&row[1])) {
+            assert!((row[3] - row[1]).abs() < 1e-13 && (row[5] - row[1]).abs() < 1e-13, "{row:?}");
+        }
+        assert!(folder.join("case.compare/line_across.svg").exists());
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}
+
+#[test]
+fn a_line_outside_of_all_bodies_and_what_is_no_field_are_errors() {
+    for (from, to, code, part) in [
+        ("to = [3.5, 0.5]", "to = [-0.5, 9]", "E022", "no point of the line is in a body"),
+        ("\"u\", \"flux.x in b\"", "\"energy\"", "E018", "no field that a line can follow"),
+        ("\"u\", \"flux.x in b\"", "\"u at [0.5, 0.5]\"", "E018", "no field that a line can follow"),
+        ("to = [3.5, 0.5]", "to = [-0.5, 0.5]", "E015", "the line has no length"),
+    ] {
+        let folder = folder("wrong", &(BOXES.to_owned() + &LINE.replace(from, to)));
+        let done = faying(&folder, &["check", "case.toml"]);
+        let errors = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert!(done.status.code() == Some(3) && errors.contains(code) && errors.contains(part), "{to}: {errors}");
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}
