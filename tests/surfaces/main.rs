@@ -15,6 +15,7 @@ mod gaps;
 mod hertz;
 mod lists;
 mod mixed;
+mod moments;
 mod moved;
 mod multipliers;
 mod obstacles;

@@ -54,6 +54,12 @@ impl Case {
     }
 
     fn solution_by(&self, rule: Rule<2, 3>) -> (Solution<2, 3>, [BodyId; 2], ContactId) {
+        let (p, bodies, contact) = self.problem_by(rule);
+        let mut system = p.assemble().unwrap_or_else(|e| panic!("{self:?}: {e}"));
+        (system.solve(0.0, None).unwrap_or_else(|e| panic!("{self:?}: {e}")), bodies, contact)
+    }
+
+    fn problem_by(&self, rule: Rule<2, 3>) -> (Problem<2, 3>, [BodyId; 2], ContactId) {
         let boxes = [([0.0, 0.0, -0.5], [1.0, 0.8, 0.0]), ([0.0; 3], [1.0, 0.8, 0.6])];
         let elements = match self.grids {
             Grids::Fine => [[3, 2, 1], [2, 3, 1]],
@@ -78,13 +84,16 @@ impl Case {
         let contact = p.contact(sides[0], sides[1]).unwrap().method(self.method.clone()).multiplier(self.multiplier).cone(self.cone);
         let extra = self.kinds.into_iter().map(Kind::extra_points).max().unwrap() + self.extra;
         let contact = contact.rule(rule).extra_points(extra).id();
-        let mut system = p.assemble().unwrap_or_else(|e| panic!("{self:?}: {e}"));
-        (system.solve(0.0, None).unwrap_or_else(|e| panic!("{self:?}: {e}")), bodies, contact)
+        (p, bodies, contact)
     }
 
     /// Largest errors of what is known, all relative.
     fn errors(&self) -> Vec<(&'static str, f64)> {
         let (solution, bodies, contact) = self.solution();
+        self.errors_of(&solution, bodies, contact)
+    }
+
+    fn errors_of(&self, solution: &Solution<2, 3>, bodies: [BodyId; 2], contact: ContactId) -> Vec<(&'static str, f64)> {
         let result = solution.contact(contact).unwrap();
         let normal = self.turn * Vector::<3>::z();
         let up = normal * (AREA * PRESSURE * if self.swapped { -1.0 } else { 1.0 });
@@ -253,4 +262,52 @@ fn parts_that_are_lost_are_told() {
     let Some(Warning::LostParts { of, elements, x }) = told(losing) else { panic!("a warning") };
     // the first of 2 x 3 elements of the upper block's bottom
     assert!(elements == 1 && of.number == 0 && (Vector::<3>::from(x) - Vector::<3>::new(0.25, 0.4 / 3.0, 0.0)).norm() < 1e-14, "{x:?}");
+}
+
+/// Merged integration with a fault.
+#[derive(Debug)]
+struct Faulty(MergedSurface, Fault);
+
+type Fault = fn(&mut Vec<Piece>);
+
+/// Slave element, master element and points of a piece.
+type Piece = (usize, usize, Vec<(Vector<2>, Vector<2>, f64)>);
+
+impl InterfaceQuadrature<2, 3> for Faulty {
+    fn segments(&self, slave: &dyn Geometry<2, 3>, master: &dyn Geometry<2, 3>) -> Result<Segments<2>, CouplingError> {
+        let found = self.0.segments(slave, master)?;
+        let points = |piece: usize| found.points(piece).map(|q| (found.slave_xi[q], found.master_xi[q], found.ds[q])).collect();
+        let mut pieces: Vec<Piece> = (0..found.num_pieces()).map(|k| (found.slave[k], found.master[k], points(k))).collect();
+        (self.1)(&mut pieces);
+        let mut out = Segments::new();
+        pieces.into_iter().for_each(|(slave, master, points)| out.push_piece(slave, master, points));
+        out.report = found.report;
+        Ok(out)
+    }
+}
+
+/// Faults put into segments are refused, or spoil the uniform pressure.
+#[test]
+fn faults_of_segments_are_found() {
+    let faults: [(&str, Fault); 7] = [
+        ("none", |_| {}),
+        ("a piece is missing", |pieces| drop(pieces.remove(1))),
+        ("a piece stands twice", |pieces| pieces.insert(1, pieces[1].clone())),
+        ("master elements are exchanged", |pieces| {
+            let k = (1..pieces.len()).find(|&k| pieces[k].1 != pieces[0].1).unwrap();
+            (pieces[0].1, pieces[k].1) = (pieces[k].1, pieces[0].1);
+        }),
+        ("a master element is walked backwards", |pieces| pieces[0].2.iter_mut().for_each(|p| p.1[0] = 1.0 - p.1[0])),
+        ("a partner is moved", |pieces| pieces[0].2[0].1[1] += 1e-3),
+        ("a weight is off", |pieces| pieces[0].2[0].2 *= 1.0 + 1e-4),
+    ];
+    let case = Case::new([Kind::Spline, Kind::Hexahedra], 2);
+    for (what, fault) in faults {
+        let rule = Rule::of(move |points, partners| Box::new(Faulty(MergedSurface { points, partners }, fault)));
+        let (p, bodies, contact) = case.problem_by(rule);
+        let solution = p.assemble().ok().and_then(|mut system| system.solve(0.0, None).ok());
+        let is_found = solution
+            .is_none_or(|solution| case.errors_of(&solution, bodies, contact).iter().any(|(_, error)| error.is_nan() || *error > EXACT));
+        assert_eq!(is_found, what != "none", "{what}");
+    }
 }

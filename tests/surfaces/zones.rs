@@ -66,45 +66,52 @@ struct Pushed {
     turn: Matrix<3, 3>,
     /// Units of length, and of force per area.
     units: [f64; 2],
+    /// Whether the axes of the lower and the upper body are v, w, u: those of their sides are exchanged.
+    cycled: [bool; 2],
 }
 
 impl Pushed {
     fn new(kinds: [Kind; 2], degree: usize) -> Self {
         let (cone, start, turn) = (Cone::Coefficients, Start::Auto, Matrix::identity());
-        Self { kinds, degree, lowered: 0, cone, start, swapped: false, turn, units: [1.0; 2] }
+        Self { kinds, degree, lowered: 0, cone, start, swapped: false, turn, units: [1.0; 2], cycled: [false; 2] }
     }
 
     fn net(&self, upper: bool) -> ControlNet<3, 3> {
         let squares = |c: f64| [c * c, c * c - c, (1.0 - c).powi(2)];
         let (along_x, along_y) = (squares(0.42), squares(0.55));
-        let mut points = Vec::new();
-        for k in 0..2 {
-            for (j, y) in [0.0, 0.5, 1.0].into_iter().enumerate() {
-                for (i, x) in [0.0, 0.5, 1.0].into_iter().enumerate() {
-                    let bottom = 0.25 * (along_x[i] + along_y[j]);
-                    let z = if upper { [bottom, 0.5][k] } else { [-0.5, 0.0][k] };
-                    points.push(self.turn * Vector::<3>::new(x, y, z) * self.units[0]);
-                }
-            }
-        }
-        let bent = || BSpline::<f64>::uniform(2, 1, 1);
-        ControlNet::<3, 3>::try_new([bent(), bent(), BSpline::uniform(1, 1, 0)], points, None).unwrap()
+        let point = |[i, j, k]: [usize; 3]| {
+            let bottom = 0.25 * (along_x[i] + along_y[j]);
+            let z = if upper { [bottom, 0.5][k] } else { [-0.5, 0.0][k] };
+            self.turn * Vector::<3>::new(0.5 * i as f64, 0.5 * j as f64, z) * self.units[0]
+        };
+        let (bent, line) = (|| BSpline::<f64>::uniform(2, 1, 1), BSpline::uniform(1, 1, 0));
+        let (axes, points): ([BSpline; 3], Vec<_>) = match self.cycled[usize::from(upper)] {
+            true => ([bent(), line, bent()], (0..18).map(|q| point([q / 6, q % 3, q / 3 % 2])).collect()),
+            false => ([bent(), bent(), line], (0..18).map(|q| point([q % 3, q / 3 % 3, q / 9])).collect()),
+        };
+        ControlNet::<3, 3>::try_new(axes, points, None).unwrap()
+    }
+
+    /// The side of a body below or above.
+    fn side(&self, body: usize, up: bool) -> &'static str {
+        [["w0", "w1"], ["v0", "v1"]][usize::from(self.cycled[body])][usize::from(up)]
     }
 
     fn solution(&self) -> (Solution<2, 3>, ContactId) {
         let mut p = Problem::<2, 3>::new();
         let [lower, upper] = std::array::from_fn(|b| {
-            let elements = [[5, 4, 2], [4, 5, 2]][b];
+            let [n, m, k] = [[5, 4, 2], [4, 5, 2]][b];
+            let elements = if self.cycled[b] { [m, k, n] } else { [n, m, k] };
             let degree = self.degree.max(if self.kinds[b] == Kind::Spline || self.kinds[b] == Kind::Nurbs { 2 } else { 1 });
             let body = self.kinds[b].body(&PatchSpec::new(self.net(b == 1)).with_degree([degree; 3]).with_elements(elements));
             self.kinds[b].add(&mut p, ["lower", "upper"][b], body, Hooke::solid([1.0, 2.0][b] * self.units[1], 0.3).unwrap())
         });
-        p.fix(lower.side("w0"), Components::All).unwrap();
+        p.fix(lower.side(self.side(0, false)), Components::All).unwrap();
         let down = self.turn * Vector::<3>::new(0.0, 0.0, -0.02) * self.units[0];
         (0..3).for_each(|c| {
-            p.prescribe(upper.side("w1"), c, down[c]).unwrap();
+            p.prescribe(upper.side(self.side(1, true)), c, down[c]).unwrap();
         });
-        let mut sides = [upper.side("w0"), lower.side("w1")];
+        let mut sides = [upper.side(self.side(1, false)), lower.side(self.side(0, true))];
         if self.swapped {
             sides.reverse();
         }
@@ -189,6 +196,31 @@ fn two_bodies_in_contact_have_the_same_bits_at_any_number_of_threads() {
             })
         };
         let one = of(1);
-        assert!(!one.is_empty() && of(2) == one, "{kinds:?}");
+        assert!(!one.is_empty() && [2, 16].iter().all(|&threads| of(threads) == one), "{kinds:?}");
+    }
+}
+
+#[test]
+fn axes_of_the_sides_may_be_exchanged() {
+    for kinds in [[Kind::Spline, Kind::Hexahedra], [Kind::Hexahedra, Kind::Nurbs]] {
+        for swapped in [false, true] {
+            let case = Pushed { swapped, ..Pushed::new(kinds, 2) };
+            let of = |case: &Pushed| {
+                let (solution, contact) = case.solution();
+                solution.contact(contact).unwrap()
+            };
+            let plain = of(&case);
+            for cycled in [[true, false], [false, true], [true, true]] {
+                let (what, other) = (format!("{kinds:?} {swapped} {cycled:?}"), of(&Pushed { cycled, ..case.clone() }));
+                assert_eq!(other.active, plain.active, "{what}");
+                assert!((other.force - plain.force).norm() < 1e-8 * plain.force.norm(), "{what}: {:?} {:?}", other.force, plain.force);
+                let moment = (Vector::<3>::from(other.moment) - Vector::<3>::from(plain.moment)).norm();
+                assert!(moment < 1e-8 * plain.force.norm(), "{what}: {moment:e}");
+                for (a, b) in [(other.largest_pressure, plain.largest_pressure), (other.least_pressure, plain.least_pressure)] {
+                    assert!((a - b).abs() < 1e-8 * plain.largest_pressure, "{what}: {a} {b}");
+                }
+                assert!((other.area - plain.area).abs() < 1e-8 && (other.least_gap - plain.least_gap).abs() < 1e-8, "{what}");
+            }
+        }
     }
 }

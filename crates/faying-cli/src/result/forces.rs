@@ -23,7 +23,8 @@ impl Default for Moment {
 pub struct Balance {
     /// Loads + reactions + forces of obstacles \[force\].
     pub force: Vec<f64>,
-    /// Their moment about the origin [force length]; elasticity only.
+    /// Their moment about the origin [force length]; elasticity only. Zero as far as the functions of a body have its rotations: those of
+    /// Lagrange cells on an exact curved map do not.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub moment: Option<Moment>,
 }
