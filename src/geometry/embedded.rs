@@ -121,7 +121,7 @@ impl<const S: usize, const D: usize, X: Basis<D, T>, T: Real> Basis<S, T> for Em
         }
     }
 
-    /// Those of the inner basis, where the cells are whole elements of it.
+    /// The polynomials of the inner basis, where the cells are whole elements of it.
     fn polynomials(&self, wanted: Polynomials) -> Option<Box<dyn Basis<S, T>>> {
         let is_whole = |cell: &Embedding<S, D, T>| cell.origin == Vector::<D, T>::zeros() && cell.axes == Matrix::<D, S, T>::identity();
         if S != D || !self.cells.iter().all(is_whole) {

@@ -2,7 +2,7 @@
 
 use super::arc_length::ArcLength;
 use super::contact_field::PressureEvaluator;
-use super::lambda_error::exact_along;
+use super::exact_lambda::exact_along;
 use super::side_field::{Field, SideField, SidePoint, centres, degree, normals};
 use super::solved::State;
 use super::tie_field::multiplier_at;

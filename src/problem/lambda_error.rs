@@ -1,12 +1,9 @@
-//! The exact lambda of ties and contacts, and errors against it.
+//! Errors of lambda against the exact one.
 
 use super::data::Point;
-use super::handles::InterfaceId;
 use super::model::{BodySide, ContactModel, Model, TieModel};
 use super::own_piece::Depths;
 use super::own_side::OwnSide;
-use super::side_field::Field;
-use super::solved::State;
 use super::state::StepState;
 use super::tie_field::TractionEvaluator;
 use crate::basis::Order;
@@ -14,7 +11,6 @@ use crate::contact::ContactRows;
 use crate::coupling::Segments;
 use crate::geometry::MapTable;
 use crate::linalg::Vector;
-use std::sync::Arc;
 
 /// Squares of the L2 norms of an error and of the exact field.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,39 +52,10 @@ fn exact_traction<const S: usize, const N: usize>(
     found.unwrap_or([f64::NAN; 3])
 }
 
-/// The exact lambda along a slave side, by its number, of a tie or a contact; `None` where none is known.
-pub(super) fn exact_along<const S: usize, const N: usize>(state: &Arc<dyn State<S, N>>, of: InterfaceId, side: usize) -> Option<Field<S>> {
-    let (model, t) = (state.model(), state.state().t);
-    let (slave, is_own) = match of {
-        InterfaceId::Tie(tie) => (&model.ties[tie.number].parts[side].slave, model.ties[tie.number].exact.is_some()),
-        InterfaceId::Contact(contact) => {
-            (&model.contacts[contact.number].parts[side].slave, model.contacts[contact.number].exact.is_some())
-        }
-    };
-    if !is_own && !model.has_exact() {
-        return None;
-    }
-    let own = OwnSide::new(model, slave);
-    let depths: Vec<Depths> = (0..slave.trace.facets.len()).map(|e| own.depths(e, 0.0)).collect();
-    let (state, slave) = (Arc::clone(state), Arc::clone(slave));
-    Some(Box::new(move |element, xi| {
-        let (model, mut map) = (state.model(), MapTable::new());
-        slave.trace.space.map(element, xi, Order::Gradients, &mut map);
-        let at = |(x, jacobian)| {
-            let (place, at) = ((element, depths[element]), [x, &slave.trace.normal(element, jacobian)]);
-            match of {
-                InterfaceId::Tie(tie) => model.ties[tie.number].exact_at(model, &slave, t, place, at),
-                InterfaceId::Contact(contact) => vec![model.contacts[contact.number].exact_at(model, &slave, t, place, at)],
-            }
-        };
-        map.x.iter().zip(&map.jacobian).flat_map(at).collect()
-    }))
-}
-
 impl<const S: usize, const N: usize> TieModel<S, N> {
     /// lambda at a point of a slave element with the outward normal there: the tie's exact data, or else minus the traction of the exact
     /// solution of the model.
-    fn exact_at(
+    pub(super) fn exact_at(
         &self,
         model: &Model<S, N>,
         slave: &BodySide<S, N>,
@@ -132,7 +99,14 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
 impl<const S: usize, const N: usize> ContactModel<S, N> {
     /// lambda at a point of a slave element with the outward normal there: the contact's exact data, or else the normal part of the traction
     /// of the exact solution of the model.
-    fn exact_at(&self, model: &Model<S, N>, slave: &BodySide<S, N>, t: f64, place: (usize, Depths), [x, normal]: [&Vector<N>; 2]) -> f64 {
+    pub(super) fn exact_at(
+        &self,
+        model: &Model<S, N>,
+        slave: &BodySide<S, N>,
+        t: f64,
+        place: (usize, Depths),
+        [x, normal]: [&Vector<N>; 2],
+    ) -> f64 {
         match &self.exact {
             Some(f) => f.value(&Point::new(x.as_slice()).at_time(t)),
             None => exact_traction(model, slave, t, place, [x, normal]).iter().zip(normal.iter()).map(|(t, n)| t * n).sum(),

@@ -38,6 +38,7 @@ mod enforced;
 mod equilibrium;
 mod error;
 mod exact_data;
+mod exact_lambda;
 mod extremes;
 mod facets_apart;
 mod facing_obstacle;

@@ -1,8 +1,8 @@
 //! Fields along the slave sides of ties.
 
 use super::arc_length::ArcLength;
+use super::exact_lambda::exact_along;
 use super::integrate::on_trace;
-use super::lambda_error::exact_along;
 use super::model::{BodySide, TiePart};
 use super::side_field::{Field, SideField, SidePoint, centres, degree};
 use super::solved::State;

@@ -92,7 +92,7 @@ fn what_would_be_answered_in_silence_is_refused() {
     assert!((2.0 * u[1] - v[1]).abs() < 1e-12 && v[1] > 0.1);
     // values of an exact solution that the problem does not have, and no master
     let (mut p, a, b) = blocks();
-    assert_eq!(p.tie(b.side("v0"), []).unwrap_err().kind, E::NoMaster);
+    assert_eq!(p.tie(b.side("v0"), [] as [faying::problem::RegionId; 0]).unwrap_err().kind, E::NoMaster);
     p.tie(b.side("v0"), a.side("v1")).unwrap();
     let pull = p.traction(b.side("v1"), 1, Value::Exact).unwrap();
     assert_eq!((refused(&p).kind, refused(&p).of), (E::NoExact, vec![pull]));

@@ -27,6 +27,7 @@ pub mod inspect;
 mod json;
 mod lines;
 pub mod lower;
+pub mod marks;
 mod null_out;
 pub mod output;
 mod page;
@@ -49,9 +50,9 @@ pub use commands::main;
 pub use errors::{Diagnostic, Diagnostics, Severity};
 pub use formula::Formula;
 pub use indexmap::IndexMap;
+pub use marks::{ClosestInPlane, Mark, MarkKind, RigidFace, RigidPicture, RigidShape};
 pub use output::{
-    ClosestInPlane, DisplacementFactor, ExactAlong, FieldRange, Finished, Mark, MarkKind, Output, Panel, Parts, Picture, RigidFace,
-    RigidPicture, RigidShape, RunOptions, SideOutput, SidePart, StepOutput,
+    DisplacementFactor, ExactAlong, FieldRange, Finished, Output, Panel, Parts, Picture, RunOptions, SideOutput, SidePart, StepOutput,
 };
 pub use place::{Located, SourceSpan};
 pub use registry::{Family, Fault, MakeSolver, Names, Registry, SolverOptions, UnknownName};

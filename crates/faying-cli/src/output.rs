@@ -2,10 +2,10 @@
 
 use crate::RunResult;
 use crate::case::Units;
+use crate::marks::{Mark, RigidPicture};
 use crate::plot::{self, FieldPlot, PlotError};
 use crate::reference::StoredRun;
 use crate::table::InterfaceRow;
-use faying::contact::Hit;
 use faying::linalg::Vector;
 use faying_files::vtu::{self, CellStyle, Part, VtuError};
 
@@ -60,7 +60,7 @@ pub struct Output {
     pub units: Units,
     /// The bodies.
     pub parts: Parts,
-    /// What `fields.svg` shows, one below the other; empty: no picture.
+    /// Panels of `fields.svg`, one below the other; empty: no picture.
     pub panels: Vec<Panel>,
     /// Whether u is an elastic displacement, so that multipliers are stresses.
     pub elastic: bool,
@@ -128,65 +128,6 @@ impl Parts {
             Self::Volume(parts) => plot::solids(plot, parts),
         }
     }
-}
-
-/// A support or a load at a point of a boundary.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mark {
-    /// The point \[length\].
-    pub at: [f64; 3],
-    /// Its displacement \[length\].
-    pub moved: [f64; 3],
-    /// The outward normal, of length 1.
-    pub normal: [f64; 3],
-    /// Of a load its direction, of a support the inward normal; of length 1.
-    pub toward: [f64; 3],
-    /// Its meaning.
-    pub kind: MarkKind,
-}
-
-/// Meaning of a mark.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MarkKind {
-    /// Prescribed displacements.
-    Support,
-    /// A traction, a pressure or a force.
-    Load,
-}
-
-/// A rigid obstacle in a picture, where it is at the time of the output.
-#[derive(Debug)]
-pub struct RigidPicture {
-    /// Name of its contact.
-    pub name: String,
-    /// What is drawn.
-    pub shape: RigidShape,
-}
-
-/// Closest point of an obstacle in the plane to a point, of all its faces; `None` where none is found.
-pub type ClosestInPlane = Box<dyn Fn(&Vector<2>) -> Option<Hit<1, 2>> + Send + Sync>;
-
-/// What is drawn of a rigid obstacle.
-pub enum RigidShape {
-    /// The line in the plane on which the gap is zero.
-    Outline(ClosestInPlane),
-    /// In space its surface where slave sides face it, found when it is asked for.
-    Faces(Box<dyn Fn() -> Vec<RigidFace> + Send + Sync>),
-}
-
-impl std::fmt::Debug for RigidShape {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(if matches!(self, Self::Outline(_)) { "Outline" } else { "Faces" })
-    }
-}
-
-/// A piece of the surface of a rigid obstacle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RigidFace {
-    /// Its corners in order \[length\].
-    pub corners: [Vector<3>; 4],
-    /// The normal out of the obstacle, of length 1.
-    pub normal: Vector<3>,
 }
 
 /// The factor of displacements in a picture, found when it is asked for.

@@ -161,8 +161,8 @@ impl Reader {
     /// Compares a stored picture with the one that a run made, or stores it.
     fn picture(&self, stored: &Path, made: &str) -> Result<(), String> {
         let made = fs::read_to_string(self.path(made)).map_err(|e| format!("{made}: {e}"))?;
-        if made.len() > 150_000 {
-            return Err(format!("the picture has {} kB; at most 150", made.len() / 1000));
+        if made.len() > 300_000 {
+            return Err(format!("the picture has {} kB; at most 300", made.len() / 1000));
         }
         if std::env::var_os("FAYING_WRITE").is_some() {
             return fs::write(stored, made).map_err(|e| format!("{}: {e}", stored.display()));

@@ -7,6 +7,7 @@ use crate::linalg::Vector;
 use crate::problem::model::BodySide;
 use crate::space::{Clearance, Sight, Skin, SkinPoint, raised, skin_points};
 use rayon::prelude::*;
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -46,15 +47,7 @@ pub(super) fn touching_sides<const S: usize, const N: usize>(
     floor: f64,
     left_out: &dyn Fn(usize, usize) -> bool,
 ) -> Touching {
-    // with a given tolerance, distances are those of the facets themselves
-    let none: Vec<Sag<S, N>>;
-    let sags = match tolerance {
-        Some(_) => {
-            none = sides.iter().map(|s| Sag::none(s.trace.facets.len())).collect();
-            &none[..]
-        }
-        None => sags,
-    };
+    let sags = explaining(sides, tolerance, sags);
     let facets: Vec<(usize, usize)> = sides.iter().enumerate().flat_map(|(k, s)| (0..s.trace.facets.len()).map(move |f| (k, f))).collect();
     let boxes: Vec<Bounds<N>> = sides.iter().flat_map(|s| s.trace.space.all_bounds()).collect();
     let reach: Vec<f64> = (facets.iter().zip(&boxes))
@@ -124,6 +117,18 @@ pub(super) fn touching_sides<const S: usize, const N: usize>(
     let mut out = decided(sides, &facets, &seen, tolerance.is_some(), floor);
     by_corners(&facets, &at_corners, &mut out);
     out
+}
+
+/// The sags that explain distances: none with a given tolerance, where distances are those of the facets themselves.
+fn explaining<'a, const S: usize, const N: usize>(
+    sides: &[Arc<BodySide<S, N>>],
+    tolerance: Option<f64>,
+    sags: &'a [Sag<S, N>],
+) -> Cow<'a, [Sag<S, N>]> {
+    match tolerance {
+        Some(_) => sides.iter().map(|s| Sag::none(s.trace.facets.len())).collect(),
+        None => Cow::Borrowed(sags),
+    }
 }
 
 /// The centre of a cell, and points beside its corners.

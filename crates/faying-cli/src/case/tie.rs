@@ -94,11 +94,11 @@ impl Reader {
         let exact = self.formula(b, "exact", Uses::Space);
         let symmetry = self.flag(b, "symmetry");
         let adjust = self.flag(b, "adjust");
-        if let (true, Master::Rigid(obstacle)) = (adjust.value, &master) {
-            if obstacle.value.translate.iter().chain(&obstacle.value.force).any(Option::is_some) {
-                let message = "`adjust` closes gaps at rest, and the obstacle moves: its motion would be closed, too";
-                self.fault("E015", adjust.at, message, "leave `adjust` or the motion of the obstacle out");
-            }
+        if let (true, Master::Rigid(obstacle)) = (adjust.value, &master)
+            && obstacle.value.translate.iter().chain(&obstacle.value.force).any(Option::is_some)
+        {
+            let message = "`adjust` closes gaps at rest, and the obstacle moves: its motion would be closed, too";
+            self.fault("E015", adjust.at, message, "leave `adjust` or the motion of the obstacle out");
         }
         let active_set = self.active_set(b);
         Contact {

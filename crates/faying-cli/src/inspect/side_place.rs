@@ -1,4 +1,4 @@
-//! Where the sides of a spline patch are, and where they look.
+//! Middles and outward normals of the sides of a spline patch.
 
 use super::splines::{face, map_of, spans};
 use faying::basis::Order;

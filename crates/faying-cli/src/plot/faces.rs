@@ -1,6 +1,6 @@
 //! A picture of faces: elements in colours per part, names beside them; bodies in space seen from the corner (1, -1, 1).
 
-use crate::output::{Mark, MarkKind};
+use crate::marks::{Mark, MarkKind};
 use std::fmt::Write as _;
 
 /// A polygon.

@@ -6,8 +6,7 @@ use super::marks::{draw as draw_marks, words as words_of_marks};
 use super::obstacles::{draw as draw_obstacles, reached};
 use super::sample::{Drawn, boxes, division, divisions, sampled};
 use super::simplify::{PIECES, ShadedPolygon, chained, few_lines, joined, straightened};
-use super::{GREY, INK, PlotError, Root, document, heading, stroke, taller, text, units};
-use crate::output::{Mark, RigidPicture};
+use super::{FieldPlot, GREY, INK, PlotError, Root, document, heading, stroke, taller, text, units};
 use crate::table::short;
 use faying::geometry::Bounds;
 use faying::linalg::Vector;
@@ -15,29 +14,6 @@ use faying_files::vtu::Part;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 use std::collections::BTreeMap;
-
-/// Content of the picture.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct FieldPlot<'a> {
-    /// Heading.
-    pub title: &'a str,
-    /// Label of the colour bar.
-    pub label: &'a str,
-    /// Name of a field of every part.
-    pub field: &'a str,
-    /// Component of it; `None`: the root of the sum of their squares.
-    pub component: Option<usize>,
-    /// Least and largest value that the colours and the heading show; `None`: those of the points of the picture.
-    pub range: Option<[f64; 2]>,
-    /// Unit of lengths; empty: none is shown.
-    pub length: &'a str,
-    /// Factor of the displacements, a field of every part, by which the bodies are moved; 0: at rest.
-    pub moved: f64,
-    /// Supports and loads.
-    pub marks: &'a [Mark],
-    /// Rigid obstacles.
-    pub obstacles: &'a [RigidPicture],
-}
 
 /// A peak that is smaller than this share of the bodies is shown in detail.
 const SMALL: f64 = 0.15;

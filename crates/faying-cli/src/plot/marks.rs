@@ -1,7 +1,7 @@
 //! Supports and loads in a picture: triangles that hold, arrows that push.
 
 use super::{FieldPlot, INK, PlotError, RED_LINE, Root, stroke, units};
-use crate::output::{Mark, MarkKind, RigidShape};
+use crate::marks::{Mark, MarkKind, RigidShape};
 use crate::table::short;
 use plotters::prelude::*;
 

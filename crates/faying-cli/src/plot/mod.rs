@@ -4,6 +4,7 @@
 
 mod compact;
 pub mod faces;
+mod field_plot;
 mod fields;
 mod frame;
 mod iteration;
@@ -21,7 +22,8 @@ use crate::table::short;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
-pub use fields::{FieldPlot, fields};
+pub use field_plot::FieldPlot;
+pub use fields::fields;
 pub use iteration::{IterationPlot, IterationStep, iteration};
 pub use side::{ExactLambda, SidePlot, SlaveCurve, side};
 pub use solids::solids;

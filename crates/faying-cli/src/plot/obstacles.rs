@@ -4,7 +4,7 @@ use super::fields::View;
 use super::simplify::{chained, straightened};
 use super::solids::Camera;
 use super::{FINE, GREY, INK, PlotError, Root, stroke, text, units};
-use crate::output::{RigidFace, RigidPicture, RigidShape};
+use crate::marks::{RigidFace, RigidPicture, RigidShape};
 use faying::contact::Hit;
 use faying::geometry::Bounds;
 use faying::linalg::Vector;

@@ -11,7 +11,7 @@ use super::marks::{draw as draw_marks, words as words_of_marks};
 use super::obstacles::SeenFaces;
 use super::sample::moved;
 use super::{FieldPlot, GREY, INK, PlotError, document, heading, lacks, number, stroke, taller, text, units};
-use crate::output::Mark;
+use crate::marks::Mark;
 use crate::table::short;
 use faying::basis::{Cell, Order};
 use faying::geometry::MapTable;
@@ -88,12 +88,12 @@ impl SolidPiece {
 }
 
 /// A face of an element: reference corners, in order around it.
-pub(super) struct Face {
+pub(super) struct SolidFace {
     pub element: usize,
     corners: Vec<Vector<3>>,
 }
 
-impl Face {
+impl SolidFace {
     /// Whether it is a triangle.
     pub fn is_triangle(&self) -> bool {
         self.corners.len() == 3
@@ -126,13 +126,13 @@ fn corner_of(cell: Cell, number: usize) -> Vector<3> {
 }
 
 /// Faces that belong to one element only; all faces of elements without corner ids.
-pub(super) fn outer_faces(space: &dyn Space<3, 3>) -> Vec<Face> {
+pub(super) fn outer_faces(space: &dyn Space<3, 3>) -> Vec<SolidFace> {
     let mut owners: BTreeMap<Vec<usize>, (usize, usize, usize)> = BTreeMap::new();
     let mut ids = Vec::new();
     let mut out = Vec::new();
     let face = |e: usize, k: usize| {
         let cell = space.cell(e);
-        Face { element: e, corners: faces_of(cell).0[k].iter().map(|&c| corner_of(cell, c)).collect() }
+        SolidFace { element: e, corners: faces_of(cell).0[k].iter().map(|&c| corner_of(cell, c)).collect() }
     };
     for e in 0..space.num_elements() {
         space.corners(e, &mut ids);
@@ -183,7 +183,7 @@ pub(super) fn middle(corners: &[[f64; 2]]) -> [f64; 2] {
 }
 
 /// Pieces of a face that the camera sees from outside; `m` per direction.
-fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face, m: usize, camera: &Camera) -> Vec<SolidPiece> {
+fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &SolidFace, m: usize, camera: &Camera) -> Vec<SolidPiece> {
     let field = &part.fields[field];
     let mut table = MapTable::new();
     let cells = divided(face.is_triangle(), m);
@@ -226,7 +226,7 @@ fn pieces(plot: &FieldPlot<'_>, part: &Part<'_, 3, 3>, field: usize, face: &Face
 /// [`PlotError`] where a part lacks the field or there is nothing to draw.
 pub fn solids(plot: &FieldPlot<'_>, parts: &[Part<'_, 3, 3>]) -> Result<String, PlotError> {
     let camera = Camera::new();
-    let faces: Vec<Vec<Face>> = parts.iter().map(|p| outer_faces(&*p.space)).collect();
+    let faces: Vec<Vec<SolidFace>> = parts.iter().map(|p| outer_faces(&*p.space)).collect();
     let count = faces.iter().map(Vec::len).sum::<usize>().max(1);
     // about half of the faces look away
     let m = ((2 * PIECES) as f64 / count as f64).sqrt().floor().clamp(1.0, FINEST as f64) as usize;

@@ -66,8 +66,8 @@ impl<const N: usize> FieldAbout<N> {
                 let e = self.direction(p, a);
                 e[0] * p.u[0] + e[1] * p.u[1]
             }
-            FieldName::PolarStress(a, b) => self.turned(p, &p.stress, [a, b]),
-            FieldName::PolarStrain(a, b) => self.turned(p, &p.strain, [a, b]),
+            FieldName::PolarStress(a, b) => self.transformed(p, &p.stress, [a, b]),
+            FieldName::PolarStrain(a, b) => self.transformed(p, &p.strain, [a, b]),
         }
     }
 
@@ -79,7 +79,7 @@ impl<const N: usize> FieldAbout<N> {
     }
 
     /// e_a . tensor e_b.
-    fn turned(&self, p: &PointState<N>, tensor: &[f64; 6], [a, b]: [usize; 2]) -> f64 {
+    fn transformed(&self, p: &PointState<N>, tensor: &[f64; 6], [a, b]: [usize; 2]) -> f64 {
         let [a, b] = [a, b].map(|which| self.direction(p, which));
         let [xx, yy, _, xy, ..] = *tensor;
         a[0] * (xx * b[0] + xy * b[1]) + a[1] * (xy * b[0] + yy * b[1])

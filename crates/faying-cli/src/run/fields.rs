@@ -2,9 +2,8 @@
 
 use super::Solved;
 use crate::case::{Case, Deformed, PointNumber, ShownField};
-use crate::output::{
-    DisplacementFactor, ExactAlong, FieldRange, Output, Panel, Parts, Picture, RigidPicture, RunOptions, SideOutput, SidePart,
-};
+use crate::marks::RigidPicture;
+use crate::output::{DisplacementFactor, ExactAlong, FieldRange, Output, Panel, Parts, Picture, RunOptions, SideOutput, SidePart};
 use crate::plot::in_unit;
 use crate::table::InterfaceRow;
 use faying::linalg::Vector;

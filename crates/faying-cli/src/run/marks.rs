@@ -2,7 +2,7 @@
 
 use crate::case::{Boundary, Case, Components, Datum, SideRef};
 use crate::formula::{Formula, Point};
-use crate::output::{Mark, MarkKind};
+use crate::marks::{Mark, MarkKind};
 use faying::basis::{Elements, Order};
 use faying::geometry::{Geometry, MapTable, cell};
 use faying::linalg::Vector;

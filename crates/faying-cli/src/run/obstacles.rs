@@ -1,7 +1,7 @@
 //! Rigid obstacles of pictures: where they are in a solution.
 
 use super::Solved;
-use crate::output::{RigidFace, RigidPicture, RigidShape};
+use crate::marks::{RigidFace, RigidPicture, RigidShape};
 use faying::basis::{Cell, Elements, Order};
 use faying::contact::{Hit, Obstacle, opposed};
 use faying::geometry::{Geometry, MapTable};

@@ -14,7 +14,7 @@ const MOST_PANELS: usize = 6;
 const WIDE: f64 = 30.0;
 
 /// Rows that make one line, by its name.
-pub(super) type Line = (String, Vec<usize>);
+pub(super) type NamedLine = (String, Vec<usize>);
 
 /// `study.svg`.
 ///
@@ -43,8 +43,8 @@ pub fn picture(s: &Study) -> Result<String, PlotError> {
 }
 
 /// Rows by the name of their line, in the order in which the names appear.
-pub(super) fn grouped(s: &Study, rows: impl Iterator<Item = usize>, name: impl Fn(&Row) -> String) -> Vec<Line> {
-    let mut lines: Vec<Line> = Vec::new();
+pub(super) fn grouped(s: &Study, rows: impl Iterator<Item = usize>, name: impl Fn(&Row) -> String) -> Vec<NamedLine> {
+    let mut lines: Vec<NamedLine> = Vec::new();
     let mut places = std::collections::BTreeMap::new();
     for k in rows {
         let name = name(&s.rows[k]);
@@ -63,7 +63,7 @@ pub(super) fn finest(s: &Study) -> impl Iterator<Item = usize> + '_ {
 }
 
 /// Rows that differ in the points of interfaces alone.
-pub(super) fn lines_over_points(s: &Study) -> Vec<Line> {
+pub(super) fn lines_over_points(s: &Study) -> Vec<NamedLine> {
     grouped(s, finest(s), |row| {
         let mut spec = row.spec.clone();
         spec.changes.extra_points = None;
@@ -72,7 +72,7 @@ pub(super) fn lines_over_points(s: &Study) -> Vec<Line> {
 }
 
 /// Rows that differ in the value of the first key alone.
-pub(super) fn lines_over_values(s: &Study) -> Vec<Line> {
+pub(super) fn lines_over_values(s: &Study) -> Vec<NamedLine> {
     grouped(s, finest(s), |row| {
         let vary = row.spec.vary.iter().skip(1).cloned().collect();
         // the first key may be the degree
@@ -96,7 +96,7 @@ pub(super) fn others<'a>(s: &'a Study, errors: &[String]) -> Vec<&'a Asked> {
 }
 
 /// Points of lines: x and y of their rows, rows without numbers left out.
-fn points(s: &Study, lines: &[Line], x: &dyn Fn(&Row) -> f64, y: &dyn Fn(usize) -> f64) -> Vec<Vec<(f64, f64)>> {
+fn points(s: &Study, lines: &[NamedLine], x: &dyn Fn(&Row) -> f64, y: &dyn Fn(usize) -> f64) -> Vec<Vec<(f64, f64)>> {
     let point = |k: &usize| (x(&s.rows[*k]), y(*k));
     lines.iter().map(|(_, rows)| rows.iter().map(point).filter(|p| p.0.is_finite() && p.1.is_finite()).collect()).collect()
 }
@@ -125,7 +125,7 @@ pub(super) fn mark(s: &Study, row: usize) -> usize {
     known.iter().position(|name| *name == s.rows[row].spec.name()).unwrap_or(0)
 }
 
-fn group(s: &Study, lines: Vec<Line>, panels: Vec<StudyPanel>) -> StudyGroup {
+fn group(s: &Study, lines: Vec<NamedLine>, panels: Vec<StudyPanel>) -> StudyGroup {
     let line = |(name, rows): (String, Vec<usize>)| StudyLine { name, mark: rows.first().map_or(0, |row| mark(s, *row)), rate: None };
     StudyGroup { lines: lines.into_iter().map(line).collect(), panels }
 }
@@ -138,7 +138,7 @@ fn spans_decades(points: &[Vec<(f64, f64)>]) -> bool {
 
 /// Errors against the size of the elements and the number of unknowns; without an exact solution changes from level to level.
 fn over_levels(s: &Study) -> StudyGroup {
-    let lines: Vec<Line> = s.lines().into_iter().map(|rows| (s.line(rows[0]), rows)).collect();
+    let lines: Vec<NamedLine> = s.lines().into_iter().map(|rows| (s.line(rows[0]), rows)).collect();
     let over_h = |y: String, value: &dyn Fn(usize) -> f64| {
         let points = points(s, &lines, &h, value);
         StudyPanel { x: "h, largest diameter of an element".into(), y, y_log: true, slopes: true, points, ..StudyPanel::default() }
@@ -216,7 +216,7 @@ fn over_values(s: &Study) -> StudyGroup {
 
 /// An error, or the largest relative difference from the first row, against unknowns.
 fn over_unknowns(s: &Study) -> StudyGroup {
-    let lines: Vec<Line> = s.lines().into_iter().map(|rows| (s.line(rows[0]), rows)).collect();
+    let lines: Vec<NamedLine> = s.lines().into_iter().map(|rows| (s.line(rows[0]), rows)).collect();
     let largest = |k: usize| {
         let all = s.rows[k].differences.iter().map(|(_, d)| *d);
         all.reduce(|a, b| if b.is_nan() { b } else { a.max(b) }).map_or(f64::NAN, |d| d.max(FLOOR))

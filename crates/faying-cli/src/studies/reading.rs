@@ -1,6 +1,6 @@
 //! Question and findings of a study, in plain sentences.
 
-use super::picture::{Line, errors_in_order, lines_over_points, lines_over_values, others, points_of};
+use super::picture::{NamedLine, errors_in_order, lines_over_points, lines_over_values, others, points_of};
 use super::study::{Study, word};
 use crate::table::{decimals, short};
 
@@ -167,7 +167,7 @@ fn values(s: &Study) -> Vec<Sentence> {
     let errors = errors_in_order(s);
     let Some(vary) = s.axes.vary.first() else { return Vec::new() };
     let mut found = Vec::new();
-    let of_line = |line: &Line, name: &str, value: &dyn Fn(usize) -> f64| {
+    let of_line = |line: &NamedLine, name: &str, value: &dyn Fn(usize) -> f64| {
         let all: Vec<(usize, f64)> = line.1.iter().map(|k| (*k, value(*k))).filter(|p| p.1.is_finite()).collect();
         let (first, last) = (all.first()?, all.last()?);
         let at = |(k, v): &(usize, f64)| format!("{} at {}", short(*v, 4), s.rows[*k].spec.vary.first().map_or("", |(_, value)| value));

@@ -547,7 +547,6 @@ fn e019_every_key_of_the_contract_that_is_not_built() {
     let base = format!("{BASE}\n{steps}\n{solver}\n");
     let put = |after: &str, line: &str| base.replacen(after, &format!("{after}\n{line}"), 1);
     for (after, line, key) in [
-        (solver, "\n[output]\nfields = [\"von_mises\"]", "`fields`"),
         (model, "kinematics = \"finite\"", "kinematics = \"finite\""),
         (material, "law = \"neo-hooke\"", "law = \"neo-hooke\""),
         (material, "law = \"saint-venant-kirchhoff\"", "law = \"saint-venant-kirchhoff\""),

@@ -1,4 +1,4 @@
-//! Sides of the patches of a NURBS mesh: which are one, and which have the numbers of boundary elements.
+//! SidesByVertices of the patches of a NURBS mesh: which are one, and which have the numbers of boundary elements.
 
 use super::super::budget::Budget;
 use super::super::sides::SIDES;
@@ -7,8 +7,8 @@ use super::super::{FileError, Label, PatchSide};
 use super::cells::{self, Cell};
 use std::collections::{BTreeMap, HashMap};
 
-/// Sides by their vertices in rising order.
-pub(super) type Sides = HashMap<[u32; 4], Vec<(u32, u8)>>;
+/// SidesByVertices by their vertices in rising order.
+pub(super) type SidesByVertices = HashMap<[u32; 4], Vec<(u32, u8)>>;
 
 /// Vertices of a side in rising order.
 fn side_key(patch: &Cell, dimension: usize, side: usize) -> [u32; 4] {
@@ -23,10 +23,10 @@ fn side_key(patch: &Cell, dimension: usize, side: usize) -> [u32; 4] {
 }
 
 /// The sides of all patches.
-pub(super) fn sides_of(patches: &[Cell], dimension: usize, budget: &mut Budget) -> Result<Sides, FileError> {
+pub(super) fn sides_of(patches: &[Cell], dimension: usize, budget: &mut Budget) -> Result<SidesByVertices, FileError> {
     budget.items(patches.len() * 2 * dimension, 4 * size_of::<([u32; 4], Vec<(u32, u8)>)>() + 4 * size_of::<(u32, u8)>())?;
     budget.items(patches.len() * 2 * dimension, 2 * size_of::<PatchSide>())?;
-    let mut sides = Sides::new();
+    let mut sides = SidesByVertices::new();
     for (k, patch) in patches.iter().enumerate() {
         for side in 0..2 * dimension {
             sides.entry(side_key(patch, dimension, side)).or_default().push((k as u32, side as u8));
@@ -39,8 +39,8 @@ fn named(&(patch, side): &(u32, u8)) -> PatchSide {
     PatchSide { patch: patch as usize, side: SIDES[side as usize].to_string() }
 }
 
-/// Sides with the same vertices, in the order of the patches.
-pub(super) fn joints_of(patches: &[Cell], dimension: usize, sides: &Sides) -> Vec<[PatchSide; 2]> {
+/// SidesByVertices with the same vertices, in the order of the patches.
+pub(super) fn joints_of(patches: &[Cell], dimension: usize, sides: &SidesByVertices) -> Vec<[PatchSide; 2]> {
     let mut joints = Vec::new();
     for (k, patch) in patches.iter().enumerate() {
         for side in 0..2 * dimension {
@@ -54,8 +54,8 @@ pub(super) fn joints_of(patches: &[Cell], dimension: usize, sides: &Sides) -> Ve
     joints
 }
 
-/// Sides under the numbers of the boundary elements.
-pub(super) fn labels_of(boundary: &[Cell], dimension: usize, sides: &Sides) -> Result<Vec<Label>, FileError> {
+/// SidesByVertices under the numbers of the boundary elements.
+pub(super) fn labels_of(boundary: &[Cell], dimension: usize, sides: &SidesByVertices) -> Result<Vec<Label>, FileError> {
     let mut labels: BTreeMap<i64, Vec<PatchSide>> = BTreeMap::new();
     for cell in boundary {
         let mut key = [cells::NONE; 4];

@@ -78,7 +78,7 @@ pub enum PointNumber {
     Stress(usize),
 }
 
-/// What a panel of `fields.svg` shows.
+/// The subject of a panel of `fields.svg`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ShownField {
