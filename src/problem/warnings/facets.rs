@@ -8,7 +8,8 @@
 //! h > 0.1 mean |g|   and   max |g| < 10 h,
 //! ```
 //!
-//! so that sides that touch only in part, as in Hertz' problem, are excluded: there the gap grows beyond any sag.
+//! so that sides that touch only in part, as in Hertz' problem, are excluded: there the gap grows beyond any sag. Nor is it given where
+//! the contact closes all that facets leave.
 
 use super::warning::{Subject, Warning};
 use crate::problem::model::{ContactModel, ContactPart, Model};
@@ -46,6 +47,9 @@ fn of_part<const S: usize, const N: usize>(
         return None;
     }
     let (segments, frames) = (&part.first.segments, &part.first.frames);
+    if frames.gap.iter().all(|gap| gap.abs() <= part.closes) {
+        return None;
+    }
     let (mut sum, mut size, mut largest) = (0.0, 0.0, 0.0f64);
     for ((x, &gap), &ds) in frames.x.iter().zip(&frames.gap).zip(&segments.ds) {
         let gap = contact.wanted(x, t, gap, part.closes).abs();

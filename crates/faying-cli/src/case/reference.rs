@@ -174,11 +174,31 @@ pub fn explained(found: &KeyPath, names: &Names) -> String {
 pub fn reference(names: &Names) -> String {
     let mut out = String::from(
         "# Keys of case files\n\nEvery block with its keys: admissible values, default, meaning with the unit of dimensional values, and where a key has an effect if not everywhere. \
-         `faying explain KEY` says the same of one key, `faying schema` as JSON Schema.\n",
+         `faying explain KEY` says the same of one key, `faying schema` as JSON Schema.\n\n\
+         In formulas r = sqrt(x^2 + y^2) and theta = atan2(y, x), in radians, whatever the model is: in axisymmetric ones x is the distance from the axis, not r.\n",
     );
     table("Top level", "", ROOT, names, &mut out);
+    out.push_str(SIDES);
     out
 }
+
+/// The sides of every geometry.
+const SIDES: &str = "
+## Sides of geometries
+
+A body has the directions u, v and, in three dimensions, w; u0 is its side where u begins, u1 where it ends. An edge or a corner is named by the sides that meet in it, \
+as `u0v1`. The aliases are those of a box: left, right = u0, u1; in the plane bottom, top = v0, v1; in three dimensions front, back = v0, v1 and bottom, top = w0, w1. \
+`faying inspect CASE` tells where every side is and where it looks.
+
+| geometry | u0, u1 | v0, v1 | w0, w1 |
+| --- | --- | --- | --- |
+| box | least and greatest x | least and greatest y | least and greatest z |
+| annulus-sector | first and last angle | first and last radius | least and greatest z of what `extrude` makes |
+| disc-sector | first and last angle | v0 is the centre and no side; v1 the arc | as annulus-sector |
+| plate-with-hole | y = 0 and x = 0, which a quarter model supports | the hole; both outer edges | as annulus-sector |
+| sphere-octant | y = 0 and x = 0 through the centre | z = 0 through the centre; v1 is the pole and no side | first and last radius |
+| nurbs, file | the ends of its parameters; of meshes the names of the file | | |
+";
 
 fn table(title: &str, at: &str, keys: &[Key], names: &Names, out: &mut String) {
     let cell = |text: &str| text.replace('|', "\\|");

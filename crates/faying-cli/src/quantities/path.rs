@@ -16,7 +16,6 @@ pub fn resolve(path: &[String]) -> Vec<String> {
         ["interface" | "contact", name, "segments"] => list(&[words[0], name, "segments", "count"], &[]),
         ["interface", name, "measure"] => list(&["interface", name, "segments", "measure"], &[]),
         ["interface", name, "lambda"] => list(&["interface", name, "lambda", "norm"], &[]),
-        [kind @ ("contact" | "interface"), name, "moment", "z"] => list(&[kind, name, "moment"], &[]),
         _ => path.to_vec(),
     }
 }
@@ -29,7 +28,15 @@ pub fn look_up(value: &Value, path: &[String]) -> Option<Result<f64, String>> {
         let part = |key: &str| value["unknowns"][key].as_f64().unwrap_or(0.0);
         return Some(Ok(part("primal") + part("multipliers")));
     }
-    find(value, &resolve(path), "the number is not finite")
+    let path = resolve(path);
+    let found = find(value, &path, "the number is not finite");
+    match path.as_slice() {
+        // of the plane it is a number
+        [whole @ .., axis] if axis == "z" && whole.last().is_some_and(|key| key == "moment") => {
+            found.or_else(|| find(value, whole, "the number is not finite"))
+        }
+        _ => found,
+    }
 }
 
 /// `reason`: that for a number without value, of the innermost object that holds it and gives one.
@@ -109,6 +116,9 @@ mod tests {
         assert_eq!(at(&value, "contact.pad.force.y"), Some(1.25e-3));
         assert_eq!(at(&value, "contact.pad.force.1"), Some(1.25e-3));
         assert_eq!(at(&value, "contact.pad.moment.z"), Some(6.25e-4));
+        assert_eq!(at(&value, "contact.pad.moment.x"), None);
+        let solid = json!({"contact": {"pad": {"moment": [1.0, 2.0, 3.0]}}});
+        assert_eq!(at(&solid, "contact.pad.moment.z"), Some(3.0));
         assert_eq!(at(&value, "contact.pad.segments"), Some(10.0));
         assert_eq!(at(&value, "reaction.lower.bottom.y"), Some(-1.25e-3));
         assert_eq!(at(&value, "error.u.L2"), Some(1e-4));

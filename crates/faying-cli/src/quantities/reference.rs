@@ -70,7 +70,7 @@ pub const QUANTITIES: &[QuantityRow] = &[
     row("error.NAME.lambda.L2", "L2 norm of the error of the multiplier of one interface or contact", "", "error.arc.lambda.L2"),
     row(
         "reactions.SIDE",
-        "force of the supports of a side on its body, a list of components; reaction.SIDE.x is a component",
+        "force of the supports of a side on its body, a list of components; reaction.SIDE.x is a component. Unknowns in a corner or an edge of two supported sides count at one of them: force.PATCH.SIDE.x has no such share",
         "force",
         "reaction.lower.bottom.y",
     ),
@@ -105,7 +105,12 @@ pub const QUANTITIES: &[QuantityRow] = &[
     ),
     row("interface.NAME.distance", "largest distance of the two sides", "length", "interface.arc.distance"),
     row("contact.NAME.force.x", "force of the master on the slave", "force", "contact.pad.force.y"),
-    row("contact.NAME.moment", "its moment about the origin", "force length", "contact.pad.moment"),
+    row(
+        "contact.NAME.moment",
+        "its moment about the origin: a number in the plane, .x, .y, .z in three dimensions",
+        "force length",
+        "contact.pad.moment",
+    ),
     row(
         "contact.NAME.pressure",
         "pressure at a point of the slave side, positive in compression; .pressure.min and .pressure.max are extremes",

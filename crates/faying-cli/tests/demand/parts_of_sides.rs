@@ -105,6 +105,14 @@ fn gaps_that_facets_leave_between_surfaces_that_touch_are_closed() {
     }
     assert!(fit.pressure.min > 0.8 * exact && fit.pressure.max < 1.2 * exact, "{:?} around {exact}", fit.pressure);
     assert!(!closed.warnings.iter().any(|w| w.message.contains("facets")), "{:?}", closed.warnings);
+    let pressed = &rings("adjust = true\ngap = \"g - 1e-3\"\n");
+    assert!(!pressed.warnings.iter().any(|w| w.message.contains("facets")), "{:?}", pressed.warnings);
+    let told = &rings("gap = \"g - 1e-3\"\n");
+    assert!(
+        told.warnings.iter().any(|w| w.message.contains("facets") && w.help.as_ref().is_some_and(|h| h.contains("adjust"))),
+        "{:?}",
+        told.warnings
+    );
     // as meshed, the corners alone carry
     let fit = &rings("").contact["fit"];
     assert!(

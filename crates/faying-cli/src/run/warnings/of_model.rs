@@ -60,7 +60,7 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
                 short(*gap)
             ),
             case.contacts[of.number].head.at,
-            "take more elements along the sides, degree 2 or more, mapping = \"exact\", or backend = \"iga\"".into(),
+            "take more elements along the sides, degree 2 or more, mapping = \"exact\", backend = \"iga\", or adjust = true where the surfaces touch".into(),
         ),
         Warning::HardlyHeld { motions, share, .. } => {
             let springs = case.boundaries.iter().find(|b| b.spring.iter().any(Option::is_some)).map(|b| b.head.at);
