@@ -6,8 +6,8 @@
 use super::facing::facing_either;
 use super::finding::{Finding, Position};
 use super::joined_sides::{JoinedSides, Marks};
-use super::lengths::{Extent, SAME_PLACE, sag, size};
-use super::nearest::NEAR;
+use super::lengths::{Extent, SAME_PLACE, sag, size, thickness};
+use super::nearest::{NEAR, THIN};
 use super::overlapping::overlapping;
 use super::search::Search;
 use super::touching_sides::{Touching, touching_sides};
@@ -52,7 +52,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
             let met = tree.meeting(tree.item(a)).into_iter().filter(|&b| a < b);
             pairs.extend(met.filter(|&b| allowed(a, b)).map(|b| [a, b]));
         }
-        let found = if pairs.is_empty() { BTreeMap::new() } else { self.positions(&all, &pairs) };
+        let found = if pairs.is_empty() { BTreeMap::new() } else { self.positions(&all, &pairs, &|k| marks[k].is_empty()) };
         let seen: BTreeSet<[usize; 2]> = found.keys().map(|pair| pair.map(|k| all[k].side.patch)).collect();
         let overlaps = overlapping(patches, &|a, b| {
             let [p, q] = groups(a, b);
@@ -67,8 +67,13 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
         self.findings.extend(overlaps.into_iter().map(|(patches, x)| Finding::Overlap { patches, x }));
     }
 
-    /// Positions of the sides of `pairs` to each other, if they touch or nearly do.
-    fn positions(&self, all: &[Extent<S, N>], pairs: &BTreeSet<[usize; 2]>) -> BTreeMap<[usize; 2], Position> {
+    /// Positions of the sides of `pairs` to each other, if they touch or nearly do; `is_free`: whether nothing joins a side.
+    fn positions(
+        &self,
+        all: &[Extent<S, N>],
+        pairs: &BTreeSet<[usize; 2]>,
+        is_free: &dyn Fn(usize) -> bool,
+    ) -> BTreeMap<[usize; 2], Position> {
         let used: Vec<usize> = pairs.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let place: BTreeMap<usize, usize> = used.iter().enumerate().map(|(k, &i)| (i, k)).collect();
         let sides: Vec<_> = used.iter().map(|&i| all[i].side.clone()).collect();
@@ -83,12 +88,20 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
                 found.insert([a, b], Position::Touch);
                 continue;
             }
-            // the far faces of thin bodies that are joined lie in each other, and those of one body are apart
-            if self.joined.group(all[a].side.patch) == self.joined.group(all[b].side.patch) {
+            // the far faces of thin bodies that are joined lie in each other, those of the layers beside a thin body are joined to it, and
+            // those of one body are apart
+            let [p, q] = [a, b].map(|k| all[k].side.patch);
+            let are_joined = self.joined.group(p) == self.joined.group(q);
+            if are_joined && (p == q || !is_free(a) && !is_free(b)) {
                 continue;
             }
             let reach = NEAR * all[a].facet.min(all[b].facet);
-            let Some(best) = facing_either(&all[a].side.trace, &all[b].side.trace, reach) else { continue };
+            let slit = |gap: f64| {
+                let thin = [a, b].map(|k| thickness(self.patches, &all[k].side));
+                0.0 < gap && gap <= THIN * thin[0].min(thin[1])
+            };
+            let best = facing_either(&all[a].side.trace, &all[b].side.trace, reach).filter(|f| !are_joined || slit(f.gap));
+            let Some(best) = best else { continue };
             found.insert([a, b], if best.gap < 0.0 { Position::Overlap(best.distance) } else { Position::Apart(best.distance) });
         }
         found

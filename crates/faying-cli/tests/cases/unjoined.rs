@@ -203,6 +203,31 @@ fn a_stretch_without_the_middle_of_an_element_is_told() {
     assert!(e023(&run(&(tied + &tie("l", "d.bottom", "[\"a.top\", \"b.top\"]")))).is_empty());
 }
 
+/// Three blocks: the third is tied to the second, the second to the first, and a hair above the first, which it should stand on.
+#[test]
+fn a_seam_that_is_missed_by_a_hair_is_told_among_bodies_that_are_tied() {
+    let blocks = |gap: f64| {
+        POISSON.to_owned()
+            + &block("a", [0.0, 0.0], [2.0, 1.0])
+            + &block("b", [1.0, 1.0], [2.0, 2.0])
+            + &block("c", [0.0, 1.0 + gap], [1.0, 2.0])
+            + &on("\"a.bottom\"", "dirichlet = \"0\"")
+            + "[[interface]]\nname = \"i\"\nbetween = \"all\"\n"
+    };
+    assert!(e023(&run(&blocks(0.0))).is_empty());
+    let result = run(&blocks(0.005));
+    names(&result, "a.top", "c.bottom", "apart", "[[interface]]");
+    assert_eq!(e023(&result).len(), 1, "{:?}", result.warnings);
+    // layers on both sides of a thin one that they are tied to
+    let layers = POISSON.to_owned()
+        + &block("a", [0.0, 0.0], [2.0, 1.0])
+        + &block("b", [0.0, 1.0], [2.0, 1.005])
+        + &block("c", [0.0, 1.005], [2.0, 2.0])
+        + &on("\"a.bottom\"", "dirichlet = \"0\"")
+        + "[[interface]]\nname = \"i\"\nbetween = \"all\"\n";
+    assert!(e023(&run(&layers)).is_empty(), "{:?}", run(&layers).warnings);
+}
+
 /// A square in four: three ties leave a slit, a fourth closes it.
 #[test]
 fn a_seam_that_is_left_out_of_many_is_told() {
