@@ -575,7 +575,6 @@ fn e019_every_key_of_the_contract_that_is_not_built() {
     let same = parse(&base).unwrap();
     for (after, line) in [
         (model, "kinematics = \"small\""),
-        (contact, "adjust = false"),
         (material, "law = \"hooke\""),
         (contact, "friction = 0"),
         (contact, "friction = 0.0"),
