@@ -189,7 +189,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             let before = known.entry((slave.patch, &slave.side)).or_default();
             let meets = |(other, _, tied): &&(&Arc<BodySide<S, N>>, Statement, bool)| match Arc::ptr_eq(other, slave) {
                 true => is_tied && *tied,
-                false => slave.trace.facets.iter().any(|facet| other.trace.facets.contains(facet)),
+                false => {
+                    let elements: HashSet<usize> = other.trace.facets.iter().map(|facet| facet.element).collect();
+                    let mut near = slave.trace.facets.iter().filter(|facet| elements.contains(&facet.element));
+                    near.any(|facet| other.trace.facets.contains(facet))
+                }
             };
             if let Some((_, first, _)) = before.iter().find(meets) {
                 errors.push(ProblemError::new(ErrorKind::SlaveTwice, vec![*first, id], vec![slave.label.clone()]));

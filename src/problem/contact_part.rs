@@ -9,7 +9,7 @@ use super::held_part::HeldPart;
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
 use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing};
-use super::multipliers::{unstable_pairing, wrapped, wrapped_dual};
+use super::multipliers::{unstable_pairing, wrapped, wrapped_in_order};
 use super::tie_part::{finer_segments, points_of};
 use super::touching::explained;
 use crate::assembly::gauss_rules;
@@ -215,8 +215,8 @@ where
         match &faced {
             Some(segments) if is_dual => {
                 let (functions, read) = slave.trace.covered_dual(&stuck, segments).map_err(refused)?;
-                psi = wrapped_dual(self, slave, &stuck, functions);
-                reading = Some(wrapped_dual(self, slave, &stuck, read)).filter(|read| read.num_functions() == psi.num_functions());
+                psi = wrapped_in_order(self, slave, &stuck, functions);
+                reading = Some(wrapped_in_order(self, slave, &stuck, read)).filter(|read| read.num_functions() == psi.num_functions());
             }
             Some(segments) => psi = slave.trace.without_slivers(psi, &self.along_curve(segments, slave)),
             None => {}

@@ -73,21 +73,16 @@ pub fn wrapped<const S: usize, const N: usize>(
     if whole.len() == dofs.len() || (S == 1 && psi.num_functions() <= whole.len()) {
         return psi;
     }
-    let twin = if numbered_alike(&*psi, space) {
-        let mut first: HashMap<usize, usize> = HashMap::new();
-        let free = (0..dofs.len()).filter(|&i| !constrained(dofs[i]));
-        free.map(|i| (i, *first.entry(model.function(slave.patch, dofs[i])).or_insert(i))).filter(|(i, one)| i != one).collect()
-    } else if S == 1 {
-        corner_twins(model, slave, constrained, &*psi)
-    } else {
-        seam_twins(model, slave, &*psi)
-    };
+    if numbered_alike(&*psi, space) {
+        return wrapped_in_order(model, slave, constrained, psi);
+    }
+    let twin = if S == 1 { corner_twins(model, slave, constrained, &*psi) } else { seam_twins(model, slave, &*psi) };
     merged(psi, &twin)
 }
 
-/// Dual multipliers of a contact on a side that is glued to itself, with functions joined as by [`wrapped`]: their numbers have the order
-/// of the functions of the trace, so those of an element where every one of these has a multiplier are known.
-pub fn wrapped_dual<const S: usize, const N: usize>(
+/// Multipliers whose numbers have the order of the functions of the trace, with those of functions joined where the side is glued to itself:
+/// on an element where every function of the trace has one they are known.
+pub fn wrapped_in_order<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &BodySide<S, N>,
     constrained: &dyn Fn(usize) -> bool,

@@ -57,7 +57,11 @@ impl<const S: usize, const N: usize> Preparer<'_, S, N> {
             (None, 1) => 0,
             (Some(c), n) if n > 1 && c < n => c,
             (None, _) => return Err(self.fault("E018", format!("`{text}`: a force has components; write force.{side}.x"), at)),
-            _ => return Err(self.fault("E018", format!("`{text}`: there is no such component"), at)),
+            (_, n) => {
+                let known = if n == 1 { format!("force.{side}") } else { format!("force.{side}.x to .{}", ["x", "y", "z"][n - 1]) };
+                let fault = self.fault("E018", format!("`{text}`: there is no such component"), at);
+                return Err(Box::new(fault.with_help(format!("write {known}"))));
+            }
         };
         // what is wrong with the name is said where its measure is asked for
         self.side_measure(text, side, at)?;

@@ -44,7 +44,7 @@ pub const QUANTITIES: &[QuantityRow] = &[
     row("stress.xx", "a component of the stress at a point, or an extreme; tension is positive", "force/area", "stress.yy.max in lower"),
     row(
         "stress.rr",
-        "radial (rr), tangential (tt) or shear stress (rt) about a centre, in space about the axis along z through it; strain.rr alike",
+        "radial (rr), tangential (tt) or shear stress (rt) about a centre, in space about the axis along z through it, in axisymmetric models in the plane of radius and axis (the hoop stress is stress.zz); strain.rr alike",
         "force/area",
         "stress.tt about [0, 0] at [1, 0] in ring",
     ),

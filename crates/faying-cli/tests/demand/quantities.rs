@@ -248,7 +248,7 @@ fn what_is_asked_wrongly_is_told() {
         (&plane, "principal.4 at [0.5, 0.5]", "E018", "principal.1, principal.2 and principal.3"),
         (&plane, "strain.xx", "E018", "is a field"),
         (&plane, "force.a.right", "E018", "write force.a.right.x"),
-        (&plane, "force.a.right.z", "E018", "no such component"),
+        (&plane, "force.a.right.z", "E018", "write force.a.right.x to .y"),
         (&plane, "force.a.roof.y", "E021", "a"),
         (&plane, "nominal.xx at [0.5, 0.5]", "E019", "not in this version"),
         (&solid, "stress.tt about [0, 0, 0] at [0.5, 0.5, 0.5]", "E018", "write about [x, y]"),
