@@ -95,6 +95,7 @@ pub mod contact;
 pub mod coupling;
 pub mod geometry;
 pub mod linalg;
+mod parallel;
 pub mod physics;
 pub mod problem;
 pub mod quadrature;

@@ -24,7 +24,7 @@ use run::{Options, Record};
 const LATER: [&str; 1] = ["W8"];
 
 /// What runs without a name: (workload, p, n).
-const LIST: [(&str, usize, usize); 25] = [
+const LIST: [(&str, usize, usize); 29] = [
     ("W1", 2, 256),
     ("W1", 3, 256),
     ("W1", 4, 256),
@@ -50,6 +50,10 @@ const LIST: [(&str, usize, usize); 25] = [
     ("W6-spline", 2, 96),
     ("W6-lagrange", 2, 32),
     ("W6-lagrange", 2, 96),
+    ("W6-3d-spline", 2, 8),
+    ("W6-3d-spline", 2, 16),
+    ("W6-3d-lagrange", 2, 8),
+    ("W6-3d-lagrange", 2, 16),
 ];
 
 /// The lines of a workload; none where there is no such name.
@@ -59,11 +63,14 @@ fn lines(name: &str, options: &Options) -> Option<Vec<String>> {
     }
     let p = options.p.unwrap_or(2);
     let contact = |name, backend| contact::two_bodies(name, backend, p, options.n.unwrap_or(32), options).to_string();
+    let solids = |name, backend| contact::two_solids(name, backend, p, options.n.unwrap_or(8), options).to_string();
     match name {
         "W5-2d" => Some(vec![interface::straight(name, p, options.n.unwrap_or(1000), options).to_string()]),
         "W5-3d-p1" | "W5-3d-q2" => Some(vec![surfaces::pair(name, options.n.unwrap_or(64), options).to_string()]),
         "W6-spline" => Some(vec![contact(name, Backend::Spline)]),
         "W6-lagrange" => Some(vec![contact(name, Backend::Lagrange)]),
+        "W6-3d-spline" => Some(vec![solids(name, Backend::Spline)]),
+        "W6-3d-lagrange" => Some(vec![solids(name, Backend::Lagrange)]),
         "floor" => Some(vec![floor::record(options).to_string()]),
         "slope-W2" => Some(table::slope("W2", p, &[20, 30, 46, 68, 98], options)),
         "slope-W4d" => Some(table::slope("W4d", p, &[10, 16, 24, 34, 50], options)),

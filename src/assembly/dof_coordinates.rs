@@ -5,9 +5,9 @@ use super::simd_cells::means;
 use crate::basis::{Cell, Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Real, to_f64};
+use crate::parallel;
 use crate::quadrature::{Quadrature, TensorRule, simplex_rule};
 use crate::space::Space;
-use rayon::prelude::*;
 
 /// Elements handed to one task at a time.
 const ELEMENTS_PER_TASK: usize = 64;
@@ -24,34 +24,30 @@ pub fn dof_coordinates<const D: usize, const N: usize, T: Real, S: Space<D, N, T
     if let Some(places) = means(space, pattern, components) {
         return places;
     }
-    let elements: Vec<usize> = (0..pattern.num_elements()).collect();
-    let parts: Vec<Vec<[f64; 4]>> = elements
-        .par_chunks(ELEMENTS_PER_TASK)
-        .map(|chunk| {
-            let (mut shapes, mut map) = (ShapeTable::new(), MapTable::new());
-            let (tensor, simplex) = (TensorRule::gauss([2; D]), simplex_rule::<D, T>(2));
-            let mut out = Vec::new();
-            for &e in chunk {
-                let points = match space.cell(e) {
-                    Cell::Tensor => &tensor.rule(e).points,
-                    Cell::Simplex => &simplex.points,
-                };
-                space.evaluate(e, points, Order::Values, &mut shapes, &mut map);
-                let first = out.len();
-                out.resize(first + pattern.ids(e).len(), [0.0; 4]);
-                for q in 0..points.len() {
-                    for (sum, &value) in out[first..].iter_mut().zip(shapes.values(q)) {
-                        let w = to_f64(value * value);
-                        for k in 0..N.min(3) {
-                            sum[k] += w * to_f64(map.x[q][k]);
-                        }
-                        sum[3] += w;
+    let parts: Vec<Vec<[f64; 4]>> = parallel::map_ranges(pattern.num_elements(), ELEMENTS_PER_TASK, |chunk| {
+        let (mut shapes, mut map) = (ShapeTable::new(), MapTable::new());
+        let (tensor, simplex) = (TensorRule::gauss([2; D]), simplex_rule::<D, T>(2));
+        let mut out = Vec::new();
+        for e in chunk {
+            let points = match space.cell(e) {
+                Cell::Tensor => &tensor.rule(e).points,
+                Cell::Simplex => &simplex.points,
+            };
+            space.evaluate(e, points, Order::Values, &mut shapes, &mut map);
+            let first = out.len();
+            out.resize(first + pattern.ids(e).len(), [0.0; 4]);
+            for q in 0..points.len() {
+                for (sum, &value) in out[first..].iter_mut().zip(shapes.values(q)) {
+                    let w = to_f64(value * value);
+                    for k in 0..N.min(3) {
+                        sum[k] += w * to_f64(map.x[q][k]);
                     }
+                    sum[3] += w;
                 }
             }
-            out
-        })
-        .collect();
+        }
+        out
+    });
     let mut sums = vec![[0.0; 4]; pattern.num_functions()];
     let terms = parts.iter().flatten();
     let ids = (0..pattern.num_elements()).flat_map(|e| pattern.ids(e));

@@ -4,9 +4,9 @@ use super::kernels::{Kernels, map_of};
 use super::scratch::Scratch;
 use super::{Coefficient, Form, Tangent};
 use crate::linalg::{Matrix, Real, Vector};
+use crate::parallel;
 use crate::quadrature::Quadrature;
 use crate::space::{FieldAt, Space};
-use rayon::prelude::*;
 
 /// `visit(element, states)` of every element, ascending: the field of the unknowns `u` at the points of its rule.
 ///
@@ -57,7 +57,7 @@ where
         states.extend((0..scratch.dx.len()).map(|q| field_at::<C, N, T>(scratch, u, q)));
         visit(kept, element, states)
     };
-    (0..space.num_elements()).into_par_iter().map_init(Default::default, of_element).collect()
+    parallel::map_init(space.num_elements(), Default::default, of_element)
 }
 
 /// The field of coefficients `u` at point `q` of the element in `scratch`.

@@ -6,11 +6,8 @@
 use super::simd_cells::{BATCH, Slot};
 use crate::basis::{Basis, Listed};
 use crate::linalg::{Buffer, Real};
-use rayon::prelude::*;
+use crate::parallel;
 use std::ops::Range;
-
-/// Ids handed to one task at a time.
-const IDS_PER_TASK: usize = 1 << 14;
 
 /// Functions of every element, and elements of every function.
 #[derive(Clone, Debug)]
@@ -55,7 +52,7 @@ impl Graph {
     /// The functions of the elements of `basis`, and the elements of its functions.
     pub fn new<const D: usize, T: Real, B: Basis<D, T> + ?Sized>(basis: &B) -> Self {
         let (element_start, element_ids) = match basis.structure().listed() {
-            Some(Listed { first, ids }) => (first.to_vec(), ids.par_iter().with_min_len(IDS_PER_TASK).map(|&i| i as u32).collect()),
+            Some(Listed { first, ids }) => (first.to_vec(), parallel::map(ids.len(), |k| ids[k] as u32)),
             None => asked(basis),
         };
         let mut graph = Self { element_start, element_ids, cell_start: Vec::new(), cells: Vec::new() };
@@ -70,7 +67,7 @@ impl Graph {
         // counts shifted by two, so that the starts, shifted by one, can serve as insertion positions
         let mut start = vec![0usize; functions + 2];
         let counts = parts(&mut start[2..], &ranges, |i| i);
-        counts.into_par_iter().zip(&ranges).for_each(|(counts, range)| {
+        parallel::for_each(counts.into_iter().zip(&ranges), |(counts, range)| {
             for &i in &self.element_ids {
                 if let Some(count) = counts.get_mut((i as usize).wrapping_sub(range.start)) {
                     *count += 1;
@@ -84,7 +81,7 @@ impl Graph {
         let own_cells = parts(&mut cells, &ranges, |i| start[i + 1]);
         let begins: Vec<usize> = ranges.iter().map(|r| start[r.start + 1]).collect();
         let next = parts(&mut start[1..=functions], &ranges, |i| i);
-        next.into_par_iter().zip(own_cells).zip(ranges.par_iter().zip(begins)).for_each(|((next, cells), (range, begin))| {
+        parallel::for_each(next.into_iter().zip(own_cells).zip(ranges.iter().zip(begins)), |((next, cells), (range, begin))| {
             for e in 0..self.num_elements() {
                 for (a, &i) in self.ids(e).iter().enumerate() {
                     if let Some(next) = next.get_mut((i as usize).wrapping_sub(range.start)) {
@@ -123,7 +120,7 @@ impl Graph {
         let functions = self.num_functions();
         let ranges = shares(&self.cell_start, rayon::current_num_threads());
         let mut ptr = vec![0usize; functions + 1];
-        parts(&mut ptr[1..], &ranges, |i| i).into_par_iter().zip(ranges).for_each(|(lengths, range)| {
+        parallel::for_each(parts(&mut ptr[1..], &ranges, |i| i).into_iter().zip(ranges), |(lengths, range)| {
             // the last row that counted this function, from one; zeroed pages that are never written take no memory
             let mut mark = vec![0u32; functions];
             for (length, i) in lengths.iter_mut().zip(range) {
@@ -161,16 +158,12 @@ impl Graph {
         let own_cols = parts(&mut cols, &ranges, |i| ptr[i]);
         let Sites { places, first, entries, begin } = sites;
         let own_places = parts(&mut *places, &ranges, begin);
-        let foreign: Vec<Vec<(usize, P)>> = own_cols
-            .into_par_iter()
-            .zip(own_places)
-            .zip(&ranges)
-            .map(|((cols, places), range)| {
+        let foreign: Vec<Vec<(usize, P)>> =
+            parallel::map_each(own_cols.into_iter().zip(own_places).zip(&ranges), |((cols, places), range)| {
                 let begin = |i| if SITES { begin(i) } else { 0 };
                 let own = Sites { places, first, entries, begin: &begin };
                 self.own_rows::<SITES, P>(ptr, range.clone(), cols, own)
-            })
-            .collect();
+            });
         for (at, place) in foreign.into_iter().flatten() {
             places[at] = place;
         }

@@ -6,9 +6,9 @@ use super::sum_factorization::QuadraturePoints;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Csr, Matrix, Real, Vector, lit, measure as stretch, to_f64};
+use crate::parallel;
 use crate::quadrature::Quadrature;
 use crate::space::{Space, Trace};
-use rayon::prelude::*;
 
 /// Elements handed to one task at a time.
 const ELEMENTS_PER_TASK: usize = 64;
@@ -81,30 +81,26 @@ where
     Q: Quadrature<D, T> + ?Sized,
 {
     let none = Moments { total: Vector::zeros(), first: Matrix::zeros() };
-    let elements: Vec<usize> = (0..space.num_elements()).collect();
-    let parts: Vec<Part<C, N, T>> = elements
-        .par_chunks(ELEMENTS_PER_TASK)
-        .map(|chunk| {
-            let mut scratch = Scratch::<D, N, T>::default();
-            let (mut ids, mut values, mut moments): Part<C, N, T> = (Vec::new(), Vec::new(), none);
-            for &e in chunk {
-                scratch.values(space, e, quadrature.rule(e));
-                let first = ids.len();
-                ids.extend_from_slice(&scratch.ids);
-                values.resize(ids.len(), Vector::zeros());
-                for (q, &dx) in scratch.dx.iter().enumerate() {
-                    let x = &scratch.map.x[q];
-                    let force = f(x) * dx;
-                    moments.total += force;
-                    moments.first += force * x.transpose();
-                    for (sum, &value) in values[first..].iter_mut().zip(scratch.shapes.values(q)) {
-                        *sum += force * value;
-                    }
+    let parts: Vec<Part<C, N, T>> = parallel::map_ranges(space.num_elements(), ELEMENTS_PER_TASK, |chunk| {
+        let mut scratch = Scratch::<D, N, T>::default();
+        let (mut ids, mut values, mut moments): Part<C, N, T> = (Vec::new(), Vec::new(), none);
+        for e in chunk {
+            scratch.values(space, e, quadrature.rule(e));
+            let first = ids.len();
+            ids.extend_from_slice(&scratch.ids);
+            values.resize(ids.len(), Vector::zeros());
+            for (q, &dx) in scratch.dx.iter().enumerate() {
+                let x = &scratch.map.x[q];
+                let force = f(x) * dx;
+                moments.total += force;
+                moments.first += force * x.transpose();
+                for (sum, &value) in values[first..].iter_mut().zip(scratch.shapes.values(q)) {
+                    *sum += force * value;
                 }
             }
-            (ids, values, moments)
-        })
-        .collect();
+        }
+        (ids, values, moments)
+    });
     let mut out = vec![T::zero(); C * space.num_functions()];
     let mut moments = none;
     for (ids, values, own) in &parts {

@@ -7,9 +7,9 @@ use super::plain;
 use super::scratch::Scratch;
 use super::{Form, vectors};
 use crate::linalg::{Csr, Matrix, Real, Vector};
+use crate::parallel;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
-use rayon::prelude::*;
 
 /// Adds the matrix of the terms to `matrix`, which has the pattern `pattern.csr(C)`, element by element.
 pub(super) fn add_matrix<const C: usize, const N: usize, T, S, Q>(
@@ -177,6 +177,6 @@ where
         }
         sums
     };
-    let all: Vec<[T; 2]> = (0..space.num_elements()).into_par_iter().map_init(Scratch::default, of_element).collect();
+    let all: Vec<[T; 2]> = parallel::map_init(space.num_elements(), Scratch::default, of_element);
     all.into_iter().fold([T::zero(); 2], |sum, own| [sum[0] + own[0], sum[1] + own[1]])
 }

@@ -5,9 +5,9 @@ use super::kernels::{Kernels, map_of};
 use super::sum_factorization::QuadraturePoints;
 use super::{Form, contract, lower_sums, scratch::Scratch};
 use crate::linalg::{Matrix, Real, Vector, lit, to_f64};
+use crate::parallel;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
-use rayon::prelude::*;
 
 /// Norms of a field.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -114,33 +114,30 @@ where
     if let Some(squares) = Kernels::new(space, quadrature, &map).deviation(form, u, &answer) {
         return whole(squares.map(lit));
     }
-    let squares: Vec<[T; 6]> = (0..space.num_elements())
-        .into_par_iter()
-        .map_init(Scratch::<N, N, T>::default, |scratch, e| {
-            let rule = quadrature.rule(e);
-            scratch.gradients(space, e, rule);
-            let mut sums = [T::zero(); 6];
-            for q in 0..scratch.dx.len() {
-                let (dx, x) = (scratch.dx[q], scratch.map.x[q]);
-                let (value, gradient) = other(e, &rule.points[q], &x);
-                let at = field_at::<C, N, T>(scratch, u, q);
-                let tangent = tangent_at(scratch, form, q);
-                let (ev, eg) = (at.value - value, at.gradient - gradient);
-                let terms = [
-                    ev.norm_squared(),
-                    eg.norm_squared(),
-                    contract(&tangent, &eg).dot(&eg),
-                    value.norm_squared(),
-                    gradient.norm_squared(),
-                    contract(&tangent, &gradient).dot(&gradient),
-                ];
-                for (sum, term) in sums.iter_mut().zip(terms) {
-                    *sum += dx * term;
-                }
+    let squares: Vec<[T; 6]> = parallel::map_init(space.num_elements(), Scratch::<N, N, T>::default, |scratch, e| {
+        let rule = quadrature.rule(e);
+        scratch.gradients(space, e, rule);
+        let mut sums = [T::zero(); 6];
+        for q in 0..scratch.dx.len() {
+            let (dx, x) = (scratch.dx[q], scratch.map.x[q]);
+            let (value, gradient) = other(e, &rule.points[q], &x);
+            let at = field_at::<C, N, T>(scratch, u, q);
+            let tangent = tangent_at(scratch, form, q);
+            let (ev, eg) = (at.value - value, at.gradient - gradient);
+            let terms = [
+                ev.norm_squared(),
+                eg.norm_squared(),
+                contract(&tangent, &eg).dot(&eg),
+                value.norm_squared(),
+                gradient.norm_squared(),
+                contract(&tangent, &gradient).dot(&gradient),
+            ];
+            for (sum, term) in sums.iter_mut().zip(terms) {
+                *sum += dx * term;
             }
-            sums
-        })
-        .collect();
+        }
+        sums
+    });
     let mut total = [T::zero(); 6];
     for element in &squares {
         for (sum, &term) in total.iter_mut().zip(element) {

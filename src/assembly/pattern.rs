@@ -5,7 +5,7 @@ use super::simd_cells::Slots;
 use super::sum_factorization::numbering;
 use crate::basis::{Basis, Block, Elements};
 use crate::linalg::{Buffer, Csr, Real, Sparsity};
-use rayon::prelude::*;
+use crate::parallel;
 use std::sync::Arc;
 
 /// The graph of a basis: functions that share an element.
@@ -190,7 +190,7 @@ pub(super) fn each_row_pair<X: Send, Y: Send>(
         rest = (others_x, others_y);
         tasks.push((from..end, x, y));
     }
-    tasks.into_par_iter().for_each(|(range, x, y)| {
+    parallel::for_each(tasks.into_iter(), |(range, x, y)| {
         let mut rest = (x, y);
         for i in range {
             let (x, others_x) = rest.0.split_at_mut(ptr[i + 1] - ptr[i]);

@@ -11,9 +11,9 @@ use super::pattern::Pattern;
 use super::scratch::Scratch;
 use super::{Coefficient, Form};
 use crate::linalg::{Csr, Real};
+use crate::parallel;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
-use rayon::prelude::*;
 
 /// Adds the matrix of `form` to `matrix`, which has the pattern `pattern.csr(C)`.
 ///
@@ -253,7 +253,11 @@ pub(super) fn add_elements<const D: usize, const N: usize, T: Real>(
             pieces.push(mine);
             rest = others;
         }
-        pieces.into_par_iter().enumerate().for_each_init(Scratch::default, |scratch, (k, out)| kernel(scratch, first + k, out));
+        let size = parallel::piece_size(pieces.len());
+        parallel::for_each(pieces.chunks_mut(size).enumerate(), |(piece, own)| {
+            let mut scratch = Scratch::default();
+            own.iter_mut().zip(first + piece * size..).for_each(|(out, e)| kernel(&mut scratch, e, out));
+        });
 
         touched.clear();
         for e in first..last {
@@ -276,7 +280,7 @@ pub(super) fn add_elements<const D: usize, const N: usize, T: Real>(
             (rest, cut) = (others, end);
             owners.push((rows, begin, mine, mark));
         }
-        owners.into_par_iter().for_each(|(rows, begin, mine, mark)| {
+        parallel::for_each(owners.into_iter(), |(rows, begin, mine, mark)| {
             mark.resize(functions, 0);
             for &i in rows {
                 let row = pattern.row(i as usize);

@@ -2,9 +2,9 @@
 
 use super::scratch::Scratch;
 use crate::linalg::{Real, Vector};
+use crate::parallel;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
-use rayon::prelude::*;
 
 /// Elements of one task, and tasks whose results are held at a time.
 const ELEMENTS_PER_TASK: usize = 64;
@@ -29,21 +29,19 @@ where
     let elements: Vec<usize> = (0..space.num_elements()).collect();
     let mut results = Vec::with_capacity(elements.len());
     for block in elements.chunks(ELEMENTS_PER_TASK * TASKS_AT_ONCE) {
-        let parts: Vec<Part<C, T, R>> = block
-            .par_chunks(ELEMENTS_PER_TASK)
-            .map(|chunk| {
-                let mut scratch = Scratch::<N, N, T>::default();
-                let (mut ids, mut values, mut results) = (Vec::new(), Vec::new(), Vec::with_capacity(chunk.len()));
-                for &e in chunk {
-                    scratch.gradients(space, e, quadrature.rule(e));
-                    let first = ids.len();
-                    ids.extend_from_slice(&scratch.ids);
-                    values.resize(ids.len(), Vector::zeros());
-                    results.push(kernel(&mut scratch, &mut values[first..]));
-                }
-                (ids, values, results)
-            })
-            .collect();
+        let parts: Vec<Part<C, T, R>> = parallel::map_ranges(block.len(), ELEMENTS_PER_TASK, |chunk| {
+            let chunk = &block[chunk];
+            let mut scratch = Scratch::<N, N, T>::default();
+            let (mut ids, mut values, mut results) = (Vec::new(), Vec::new(), Vec::with_capacity(chunk.len()));
+            for &e in chunk {
+                scratch.gradients(space, e, quadrature.rule(e));
+                let first = ids.len();
+                ids.extend_from_slice(&scratch.ids);
+                values.resize(ids.len(), Vector::zeros());
+                results.push(kernel(&mut scratch, &mut values[first..]));
+            }
+            (ids, values, results)
+        });
         for (ids, values, own) in parts {
             for (&i, value) in ids.iter().zip(&values) {
                 for c in 0..C {

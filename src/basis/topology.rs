@@ -1,7 +1,11 @@
 //! Cells by their corners: the vertices, edges and faces that neighbours share.
 
 use super::Cell;
+use crate::parallel;
 use rayon::prelude::*;
+
+/// Cells handed to one task at a time.
+const CELLS_PER_TASK: usize = 1 << 12;
 
 /// Cells of dimension D with corner ids; vertices, edges and faces are shared by cells that name the same corners.
 ///
@@ -171,10 +175,11 @@ fn shared(cells: &[Cell], vertices: &Shared, parts: impl Fn(Cell) -> Vec<Vec<usi
     let lists = [Cell::Tensor, Cell::Simplex].map(parts);
     let list = |c: Cell| &lists[usize::from(c == Cell::Simplex)];
     let first = running(cells.iter().map(|&c| list(c).len()));
-    let keys: Vec<[usize; 4]> = (0..cells.len())
-        .into_par_iter()
-        .flat_map_iter(|e| list(cells[e]).iter().map(move |part| key_of(part.iter().map(|&c| vertices.of(e)[c]))))
-        .collect();
+    let keys: Vec<[usize; 4]> = parallel::map_ranges(cells.len(), CELLS_PER_TASK, |cells_of_task| {
+        let keys = cells_of_task.flat_map(|e| list(cells[e]).iter().map(move |part| key_of(part.iter().map(|&c| vertices.of(e)[c]))));
+        keys.collect::<Vec<_>>()
+    })
+    .concat();
     let (count, of) = numbered(&keys);
     Shared { count, first, of }
 }

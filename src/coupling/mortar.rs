@@ -12,7 +12,7 @@
 use super::{Coupling, CouplingBlocks, CouplingError, Interface, Rows, Segments, Side};
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::linalg::{Real, Triplets, Vector};
-use rayon::prelude::*;
+use crate::parallel;
 use std::ops::Range;
 
 /// Mortar rows from the segments of an interface. With `master_segments` the reaction keeps D and takes its master part
@@ -131,11 +131,9 @@ fn mortar_rows<const S: usize, const N: usize, T: Real>(
     wanted: [bool; 2],
     unknowns: usize,
 ) -> Rows<T> {
-    let parts: Vec<(Entries<T>, Entries<T>)> = segments
-        .runs()
-        .into_par_iter()
-        .map_init(Work::new, |work, pieces| element_rows(interface, rows, segments, pieces, wanted, work))
-        .collect();
+    let runs = segments.runs();
+    let parts: Vec<(Entries<T>, Entries<T>)> =
+        parallel::map_init(runs.len(), Work::new, |work, k| element_rows(interface, rows, segments, runs[k].clone(), wanted, work));
     let mut out = Rows { slave: Triplets::new(rows.total, unknowns), master: Triplets::new(rows.total, unknowns) };
     out.slave.entries.reserve(parts.iter().map(|p| p.0.len()).sum());
     out.master.entries.reserve(parts.iter().map(|p| p.1.len()).sum());

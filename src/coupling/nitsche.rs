@@ -29,8 +29,8 @@
 use super::{Coupling, CouplingBlocks, CouplingError, Interface, Segments, Side};
 use crate::basis::{Basis, Elements, Order, ShapeTable};
 use crate::linalg::{Real, Triplets, lit, to_f64};
+use crate::parallel;
 use crate::physics::{Flux, FluxTable};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Completion of the consistency term: the value of θ.
@@ -126,7 +126,7 @@ fn bounds<const S: usize, const N: usize, T: Real>(side: &Side<'_, S, N, T>, ele
     let mut wanted = elements.to_vec();
     wanted.sort_unstable();
     wanted.dedup();
-    let found: Vec<T> = wanted.par_iter().map(|&e| flux.stabilisation(e)).collect();
+    let found: Vec<T> = parallel::map(wanted.len(), |k| flux.stabilisation(wanted[k]));
     let mut all = vec![T::zero(); side.trace.space.num_elements()];
     for (&e, &d) in wanted.iter().zip(&found) {
         if !(d > T::zero() && to_f64(d).is_finite()) {
@@ -154,15 +154,13 @@ fn master_bounds<const S: usize, const N: usize, T: Real>(
     let mut pieces: Vec<usize> = (0..segments.num_pieces()).collect();
     pieces.sort_by_key(|&piece| segments.master[piece]);
     let of_element: Vec<&[usize]> = pieces.chunk_by(|&a, &b| segments.master[a] == segments.master[b]).collect();
-    let of_sums: Vec<T> = of_element
-        .par_iter()
-        .map(|pieces| {
-            let points = || pieces.iter().flat_map(|&piece| segments.points(piece));
-            let xi: Vec<_> = points().map(|q| segments.master_xi[q]).collect();
-            let ds: Vec<T> = points().map(|q| segments.ds[q]).collect();
-            flux.stabilisation_of_sum(segments.master[pieces[0]], &xi, &ds)
-        })
-        .collect();
+    let of_sums: Vec<T> = parallel::map(of_element.len(), |k| {
+        let pieces = of_element[k];
+        let points = || pieces.iter().flat_map(|&piece| segments.points(piece));
+        let xi: Vec<_> = points().map(|q| segments.master_xi[q]).collect();
+        let ds: Vec<T> = points().map(|q| segments.ds[q]).collect();
+        flux.stabilisation_of_sum(segments.master[pieces[0]], &xi, &ds)
+    });
     for (pieces, sum) in of_element.iter().zip(of_sums) {
         let own = &mut all[segments.master[pieces[0]]];
         if sum > *own * lit(1.0 + ALIKE) && sum.is_finite() {
@@ -350,8 +348,9 @@ impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Nitsche {
             }
             Ok(summed(entries))
         };
+        let runs = interface.segments.runs();
         let parts: Vec<Result<Entries<T>, CouplingError>> =
-            interface.segments.runs().into_par_iter().map_init(PointFluxes::new, of_run).collect();
+            parallel::map_init(runs.len(), PointFluxes::new, |work, k| of_run(work, runs[k].clone()));
         let mut stiffness = Triplets::new(unknowns, unknowns);
         stiffness.entries = parts.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
         Ok(CouplingBlocks { stiffness, ..CouplingBlocks::empty(unknowns) })

@@ -9,7 +9,7 @@ use super::opposed::Facing;
 use super::{Bounds, Geometry, MapTable, Tree, cell};
 use crate::basis::{Cell, Order, ScratchSlot};
 use crate::linalg::{Matrix, Real, Vector, lit, num};
-use rayon::prelude::*;
+use crate::parallel;
 use std::cell::RefCell;
 use std::sync::OnceLock;
 
@@ -133,18 +133,17 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         let tree = Tree::new(geometry.all_bounds());
         let size = tree.bounds().map_or(T::zero(), |b| b.diagonal());
         let loose = if D < N { loose_faces(&geometry, size * lit(SAME_FACE)) } else { Vec::new() };
-        let (bend, nodes) = (0..if D == 1 { elements } else { 0 })
-            .into_par_iter()
-            .map_init(MapTable::new, |table, e| {
-                geometry.map(e, &cell::grid::<D, T>(geometry.cell(e), 2 * PIECES + 1), Order::Hessians, table);
-                let second = |q: usize| Vector::<N, T>::from_fn(|c, _| table.hessian[q][c][(0, 0)]);
-                let greatest = |values: &mut dyn Iterator<Item = T>| values.fold(T::zero(), T::max) * lit(BEND_SAFETY);
-                let bend = greatest(&mut (0..=2 * PIECES).map(|q| second(q).norm()));
-                let change = greatest(&mut (0..2 * PIECES).map(|q| (second(q + 1) - second(q)).norm())) * num(2 * PIECES);
-                // pieces end at every other point of the grid
-                ([bend, change], std::array::from_fn(|i| Node::of(table, 2 * i)))
-            })
-            .unzip();
+        let (bend, nodes) = parallel::map_init(if D == 1 { elements } else { 0 }, MapTable::new, |table, e| {
+            geometry.map(e, &cell::grid::<D, T>(geometry.cell(e), 2 * PIECES + 1), Order::Hessians, table);
+            let second = |q: usize| Vector::<N, T>::from_fn(|c, _| table.hessian[q][c][(0, 0)]);
+            let greatest = |values: &mut dyn Iterator<Item = T>| values.fold(T::zero(), T::max) * lit(BEND_SAFETY);
+            let bend = greatest(&mut (0..=2 * PIECES).map(|q| second(q).norm()));
+            let change = greatest(&mut (0..2 * PIECES).map(|q| (second(q + 1) - second(q)).norm())) * num(2 * PIECES);
+            // pieces end at every other point of the grid
+            ([bend, change], std::array::from_fn(|i| Node::of(table, 2 * i)))
+        })
+        .into_iter()
+        .unzip();
         Self { geometry, tree, size, loose, bend, nodes, facing: OnceLock::new() }
     }
 

@@ -4,7 +4,7 @@ use super::hull::Boxes;
 use super::{Bounds, Control, Geometry, MapBlock, MapStructure, MapTable};
 use crate::basis::{Basis, BasisStructure, Cell, Elements, Order, Polynomials, ShapeTable};
 use crate::linalg::{Matrix, Real, Vector};
-use rayon::prelude::*;
+use crate::parallel;
 use std::borrow::Cow;
 
 /// x(xi) = sum_i N_i(xi) P_i with one point per function of `basis`.
@@ -118,12 +118,12 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Geometry<D, N, T> 
 
     fn all_bounds(&self) -> Vec<Bounds<N, T>> {
         let boxes = || Boxes::new(self, Control { basis: &self.basis, points: &self.points });
-        (0..self.num_elements()).into_par_iter().map_init(boxes, |boxes, e| boxes.of(e)).collect()
+        parallel::map_init(self.num_elements(), boxes, |boxes, e| boxes.of(e))
     }
 
     fn extent(&self) -> Option<Bounds<N, T>> {
         let boxes = || Boxes::new(self, Control { basis: &self.basis, points: &self.points });
-        let hulls: Vec<_> = (0..self.num_elements()).into_par_iter().map_init(boxes, |boxes, e| boxes.hull(e)).collect();
+        let hulls: Vec<_> = parallel::map_init(self.num_elements(), boxes, |boxes, e| boxes.hull(e));
         boxes().around(&hulls)
     }
 

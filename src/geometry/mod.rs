@@ -25,7 +25,7 @@ mod structure;
 
 use crate::basis::{Elements, NoStructure, Order, ScratchSlot, ShapeTable};
 use crate::linalg::{Matrix, Real, Vector};
-use rayon::prelude::*;
+use crate::parallel;
 
 pub use bounds::Bounds;
 pub use bvh::Tree;
@@ -104,7 +104,7 @@ pub trait Geometry<const D: usize, const N: usize, T: Real = f64>: Elements {
     fn bounds(&self, element: usize) -> Bounds<N, T>;
     /// [`bounds`](Self::bounds) of every element; implementations may share the work between elements of one reference cell.
     fn all_bounds(&self) -> Vec<Bounds<N, T>> {
-        (0..self.num_elements()).into_par_iter().map(|e| self.bounds(e)).collect()
+        parallel::map(self.num_elements(), |e| self.bounds(e))
     }
     /// The box around [`all_bounds`](Self::all_bounds); `None` without elements. Elements known to lie within others may be left out.
     fn extent(&self) -> Option<Bounds<N, T>> {

@@ -15,7 +15,7 @@
 use super::{Bounds, ClosestPoint, Geometry, MapTable, Tree, cell, cross, unit_normal};
 use crate::basis::{Cell, Order};
 use crate::linalg::{Matrix, Real, Vector, lit};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Facets whose normals meet at more than 50 degrees belong to different surfaces: the cosine.
 const SMOOTH: f64 = 0.642_787_609_686_539_4;
@@ -70,23 +70,22 @@ impl<const D: usize, const N: usize, T: Real> Sag<D, N, T> {
     /// of the tangents.
     pub fn of<G: Geometry<D, N, T> + ?Sized>(side: &G, outward: &[T]) -> Self {
         let facets: Vec<Facet<D, N, T>> =
-            (0..side.num_elements()).into_par_iter().map_init(MapTable::new, |table, e| facet(side, e, outward[e], table)).collect();
+            parallel::map_init(side.num_elements(), MapTable::new, |table, e| facet(side, e, outward[e], table));
         let corners: Vec<(usize, usize)> = facets.iter().enumerate().flat_map(|(f, c)| (0..c.x.len()).map(move |k| (f, k))).collect();
         let tree = Tree::new(corners.iter().map(|&(f, k)| Bounds { lo: facets[f].x[k], hi: facets[f].x[k] }).collect());
-        let (greatest, edges) = (0..facets.len())
-            .into_par_iter()
-            .map(|f| {
-                let own = &facets[f];
-                let (mut turns, mut jumps) = (Vec::with_capacity(own.x.len()), Vec::with_capacity(own.x.len()));
-                for k in 0..own.x.len() {
-                    let here = Bounds { lo: own.x[k], hi: own.x[k] }.inflated(own.size * lit(SAME_VERTEX));
-                    let (normal, bend) = mean(&facets, own, k, tree.meeting(&here).into_iter().map(|i| corners[i]));
-                    turns.push(normal - own.normal[k]);
-                    jumps.push(own.bend.get(k).map_or_else(T::zero, |b| (b - bend).norm()));
-                }
-                own.deviation(&turns, &jumps)
-            })
-            .unzip();
+        let (greatest, edges) = parallel::map(facets.len(), |f| {
+            let own = &facets[f];
+            let (mut turns, mut jumps) = (Vec::with_capacity(own.x.len()), Vec::with_capacity(own.x.len()));
+            for k in 0..own.x.len() {
+                let here = Bounds { lo: own.x[k], hi: own.x[k] }.inflated(own.size * lit(SAME_VERTEX));
+                let (normal, bend) = mean(&facets, own, k, tree.meeting(&here).into_iter().map(|i| corners[i]));
+                turns.push(normal - own.normal[k]);
+                jumps.push(own.bend.get(k).map_or_else(T::zero, |b| (b - bend).norm()));
+            }
+            own.deviation(&turns, &jumps)
+        })
+        .into_iter()
+        .unzip();
         Self { greatest, edges, parts: Vec::new() }
     }
 
@@ -113,30 +112,27 @@ impl<const D: usize, const N: usize, T: Real> Sag<D, N, T> {
     /// Returns `None` if a facet of `parts` is not part of one of `whole`.
     pub fn of_parts<G: Geometry<D, N, T> + ?Sized, H: Geometry<D, N, T> + ?Sized>(&self, whole: &G, parts: &H) -> Option<Self> {
         let closest = ClosestPoint::<D, N, &G, T>::new(whole);
-        let all: Option<Vec<(usize, Part<D, T>)>> = (0..parts.num_elements())
-            .into_par_iter()
-            .map_init(MapTable::new, |table, e| {
-                let kind = parts.cell(e);
-                // inner points: points on an edge may project to a neighbour of the whole
-                let center = cell::center::<D, T>(if D == 1 { Cell::Tensor } else { kind });
-                let steps: Vec<Vector<D, T>> =
-                    (0..D).map(|k| center + Vector::<D, T>::from_fn(|i, _| if i == k { lit(STEP) } else { T::zero() })).collect();
-                let points: Vec<Vector<D, T>> = std::iter::once(center).chain(steps).collect();
-                parts.map(e, &points, Order::Values, table);
-                let near = parts.bounds(e).diagonal() * lit(STRAIGHT);
-                let feet: Vec<_> = table.x.iter().map(|x| closest.project_within(x, near)).collect::<Option<_>>()?;
-                let owner = feet[0].element;
-                if feet.iter().any(|f| f.element != owner) {
-                    return None;
-                }
-                let mut axes = Matrix::<D, D, T>::zeros();
-                for k in 0..D {
-                    axes.set_column(k, &((feet[k + 1].xi - feet[0].xi) / lit::<T>(STEP)));
-                }
-                Some((owner, (whole.cell(owner), feet[0].xi - axes * center, axes)))
-            })
-            .collect();
-        let (owners, parts): (Vec<usize>, Vec<Part<D, T>>) = all?.into_iter().unzip();
+        let all: Vec<Option<(usize, Part<D, T>)>> = parallel::map_init(parts.num_elements(), MapTable::new, |table, e| {
+            let kind = parts.cell(e);
+            // inner points: points on an edge may project to a neighbour of the whole
+            let center = cell::center::<D, T>(if D == 1 { Cell::Tensor } else { kind });
+            let steps: Vec<Vector<D, T>> =
+                (0..D).map(|k| center + Vector::<D, T>::from_fn(|i, _| if i == k { lit(STEP) } else { T::zero() })).collect();
+            let points: Vec<Vector<D, T>> = std::iter::once(center).chain(steps).collect();
+            parts.map(e, &points, Order::Values, table);
+            let near = parts.bounds(e).diagonal() * lit(STRAIGHT);
+            let feet: Vec<_> = table.x.iter().map(|x| closest.project_within(x, near)).collect::<Option<_>>()?;
+            let owner = feet[0].element;
+            if feet.iter().any(|f| f.element != owner) {
+                return None;
+            }
+            let mut axes = Matrix::<D, D, T>::zeros();
+            for k in 0..D {
+                axes.set_column(k, &((feet[k + 1].xi - feet[0].xi) / lit::<T>(STEP)));
+            }
+            Some((owner, (whole.cell(owner), feet[0].xi - axes * center, axes)))
+        });
+        let (owners, parts): (Vec<usize>, Vec<Part<D, T>>) = all.into_iter().collect::<Option<Vec<_>>>()?.into_iter().unzip();
         let greatest = owners.iter().map(|&o| self.greatest[o]).collect();
         Some(Self { greatest, edges: owners.iter().map(|&o| self.edges[o]).collect(), parts })
     }

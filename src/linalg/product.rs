@@ -1,7 +1,7 @@
 //! Product and sum of two sparse matrices.
 
 use super::{Csr, Operator, Real};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// A B for any shapes that fit; columns ascend, products that cancel stay as stored zeros.
 ///
@@ -11,33 +11,31 @@ use rayon::prelude::*;
 /// If A has not as many columns as B has rows.
 pub fn product<T: Real>(a: &Csr<T>, b: &Csr<T>) -> Csr<T> {
     assert_eq!(a.num_cols(), b.num_rows(), "columns of the first are rows of the second");
-    let rows: Vec<(Vec<u32>, Vec<T>)> = (0..a.num_rows())
-        .into_par_iter()
-        .map_init(
-            || (vec![T::zero(); b.num_cols()], vec![false; b.num_cols()]),
-            |(sum, used), i| {
-                let mut cols: Vec<u32> = Vec::new();
-                let (a_cols, a_vals) = a.row(i);
-                for (k, &x) in a_cols.zip(a_vals) {
-                    let (b_cols, b_vals) = b.row(k);
-                    for (j, &y) in b_cols.zip(b_vals) {
-                        if !used[j] {
-                            used[j] = true;
-                            cols.push(u32::try_from(j).expect("a column index"));
-                        }
-                        sum[j] += x * y;
+    let rows: Vec<(Vec<u32>, Vec<T>)> = parallel::map_init(
+        a.num_rows(),
+        || (vec![T::zero(); b.num_cols()], vec![false; b.num_cols()]),
+        |(sum, used), i| {
+            let mut cols: Vec<u32> = Vec::new();
+            let (a_cols, a_vals) = a.row(i);
+            for (k, &x) in a_cols.zip(a_vals) {
+                let (b_cols, b_vals) = b.row(k);
+                for (j, &y) in b_cols.zip(b_vals) {
+                    if !used[j] {
+                        used[j] = true;
+                        cols.push(u32::try_from(j).expect("a column index"));
                     }
+                    sum[j] += x * y;
                 }
-                cols.sort_unstable();
-                let vals = cols.iter().map(|&j| sum[j as usize]).collect();
-                for &j in &cols {
-                    sum[j as usize] = T::zero();
-                    used[j as usize] = false;
-                }
-                (cols, vals)
-            },
-        )
-        .collect();
+            }
+            cols.sort_unstable();
+            let vals = cols.iter().map(|&j| sum[j as usize]).collect();
+            for &j in &cols {
+                sum[j as usize] = T::zero();
+                used[j as usize] = false;
+            }
+            (cols, vals)
+        },
+    );
     let mut ptr = vec![0usize];
     let (mut cols, mut vals) = (Vec::new(), Vec::new());
     for (row_cols, row_vals) in rows {

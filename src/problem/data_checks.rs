@@ -8,8 +8,8 @@ use super::model::{Action, BodySide, Value};
 use crate::basis::Order;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::Vector;
+use crate::parallel;
 use crate::quadrature::Quadrature;
-use rayon::prelude::*;
 use std::collections::HashSet;
 
 /// Largest size of data: squares of larger numbers overflow.
@@ -50,11 +50,12 @@ fn first_wrong<const D: usize, const N: usize, E: Send>(
     rules: &dyn Quadrature<D>,
     wrong: &(dyn Fn(&Vector<N>) -> Option<E> + Sync),
 ) -> Option<([f64; 3], E)> {
-    (0..space.num_elements()).into_par_iter().find_map_first(|e| {
+    let found = parallel::map(space.num_elements(), |e| {
         let mut map = MapTable::new();
         space.map(e, &rules.rule(e).points, Order::Values, &mut map);
         map.x.iter().find_map(|x| wrong(x).map(|found| (Point::new(x.as_slice()).x, found)))
-    })
+    });
+    found.into_iter().flatten().next()
 }
 
 impl<const S: usize, const N: usize> Problem<S, N> {

@@ -4,9 +4,9 @@ use super::model::BodyModel;
 use crate::basis::{Cell, Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Matrix, determinant, inverse};
+use crate::parallel;
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 use nalgebra::DMatrix;
-use rayon::prelude::*;
 
 /// Elements handed to one task at a time.
 const ELEMENTS_PER_TASK: usize = 64;
@@ -69,7 +69,7 @@ impl<const S: usize, const N: usize> BodyModel<S, N> {
             }
             sums
         };
-        let parts: Vec<[f64; 5]> = elements.par_chunks(ELEMENTS_PER_TASK).map(of).collect();
+        let parts: Vec<[f64; 5]> = parallel::map_ranges(elements.len(), ELEMENTS_PER_TASK, |range| of(&elements[range]));
         let mut all = [0.0; 5];
         for part in parts {
             (0..2).for_each(|k| all[k] = f64::max(all[k], part[k]));

@@ -10,9 +10,9 @@ use super::physics::{Physics, PointState};
 use crate::basis::Cell;
 use crate::geometry::cell;
 use crate::linalg::Vector;
+use crate::parallel;
 use crate::quadrature::{Quadrature, gauss_lobatto_nodes};
 use crate::space::off_collapsed;
-use rayon::prelude::*;
 
 /// Elements whose greatest value is lower than the greatest of all by up to this share of their own range are searched.
 const MARGIN: f64 = 0.5;
@@ -62,7 +62,7 @@ impl<const S: usize, const N: usize> BodyModel<S, N> {
             let all = states.iter().map(|s| Extreme { value: field(s), at: s.x });
             all.fold(None, |found, x| Some(wider(found, [x, x]))).filter(|f: &[Extreme<N>; 2]| f.iter().all(|x| x.value.is_finite()))
         };
-        let parts: Vec<Option<[Extreme<N>; 2]>> = (0..space.num_elements()).into_par_iter().map(of_element).collect();
+        let parts: Vec<Option<[Extreme<N>; 2]>> = parallel::map(space.num_elements(), of_element);
         parts.into_iter().try_fold(None, |found, part| part.map(|p| Some(wider(found, p)))).flatten()
     }
 }
@@ -113,7 +113,7 @@ impl<const S: usize, const N: usize> Asked<'_, S, N> {
             let ends = values.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], v| [l.min(*v), h.max(*v)]);
             values.iter().all(|v| v.is_finite()).then_some(ends)
         };
-        (0..self.patch.body.space().num_elements()).into_par_iter().map(of_element).collect::<Vec<_>>().into_iter().collect()
+        parallel::map(self.patch.body.space().num_elements(), of_element).into_iter().collect()
     }
 
     /// The greatest value of `sign` times the field, for the `ranges` of the elements.
@@ -125,7 +125,7 @@ impl<const S: usize, const N: usize> Asked<'_, S, N> {
         // the highest first; equal ones in their order
         near.sort_by(|&a, &b| high(b).total_cmp(&high(a)).then(a.cmp(&b)));
         near.truncate(SEARCHED);
-        let tops: Vec<Extreme<N>> = near.par_iter().map(|&e| self.top(e, self.points(e), sign)).collect();
+        let tops: Vec<Extreme<N>> = parallel::map(near.len(), |k| self.top(near[k], self.points(near[k]), sign));
         let best = tops.into_iter().reduce(|a, b| if b.value > a.value { b } else { a })?;
         Some(Extreme { value: sign * best.value, ..best })
     }

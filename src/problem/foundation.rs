@@ -7,8 +7,8 @@ use super::resultant::Resultant;
 use crate::basis::{Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::{Vector, measure};
+use crate::parallel;
 use crate::quadrature::Quadrature;
-use rayon::prelude::*;
 
 impl Foundation {
     /// The stiffness at a place and a time.
@@ -49,10 +49,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 }
                 own
             };
-            let parts: Vec<Resultant> = (0..space.num_elements())
-                .into_par_iter()
-                .map_init(|| (Vec::new(), ShapeTable::new(), MapTable::new()), of_element)
-                .collect();
+            let parts: Vec<Resultant> =
+                parallel::map_init(space.num_elements(), || (Vec::new(), ShapeTable::new(), MapTable::new()), of_element);
             parts.iter().for_each(|own| total.sum(own));
         }
         total

@@ -20,9 +20,10 @@ use crate::assembly::{Halved, HalvedScratch};
 use crate::basis::Order;
 use crate::geometry::{Bounds, MapTable, cell};
 use crate::linalg::{Matrix, Vector, measure};
+use crate::parallel;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
-use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Errors up to this are accepted.
@@ -159,15 +160,14 @@ impl<const N: usize> Levers<N> {
 
 /// Sums `f(element)` over all elements, in their order.
 fn over_elements<const K: usize, X: Default>(count: usize, f: impl Fn(usize, &mut X) -> [f64; K] + Sync) -> [f64; K] {
-    let elements: Vec<usize> = (0..count).collect();
-    let of = |chunk: &[usize]| {
+    let of = |chunk: Range<usize>| {
         let (mut scratch, mut sum) = (X::default(), [0.0; K]);
-        for &e in chunk {
+        for e in chunk {
             sum.iter_mut().zip(f(e, &mut scratch)).for_each(|(s, v)| *s += v);
         }
         sum
     };
-    let parts: Vec<[f64; K]> = elements.par_chunks(ELEMENTS_PER_TASK).map(of).collect();
+    let parts: Vec<[f64; K]> = parallel::map_ranges(count, ELEMENTS_PER_TASK, of);
     let mut total = [0.0; K];
     parts.iter().for_each(|p| total.iter_mut().zip(p).for_each(|(t, v)| *t += v));
     total

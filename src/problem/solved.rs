@@ -22,8 +22,8 @@ use super::state::StepState;
 use super::warnings::Warning;
 use crate::assembly::{Errors, revolved};
 use crate::linalg::{Csr, Operator, Vector};
+use crate::parallel;
 use crate::quadrature::Quadrature;
-use rayon::prelude::*;
 use std::fmt::Debug;
 use std::sync::{Arc, OnceLock};
 
@@ -103,7 +103,7 @@ impl<const S: usize, const N: usize> State<S, N> for Solved<S, N> {
         };
         let physics = patch.physics_at(self.state.t);
         self.common.places.of(patch);
-        x.par_iter().map(|x| self.place(patch, &physics, x)).collect()
+        parallel::map(x.len(), |k| self.place(patch, &physics, &x[k]))
     }
 
     fn in_element(&self, body: BodyId, element: usize, xi: &[[f64; N]]) -> Result<Vec<PointState<N>>, ProblemError> {

@@ -3,6 +3,7 @@
 //! Source: J. Skilling, Programming the Hilbert curve, AIP Conf. Proc. 707 (2004) 381.
 
 use crate::linalg::Vector;
+use crate::parallel;
 use rayon::prelude::*;
 
 /// Base-2 logarithm of the steps of the curve per direction.
@@ -18,7 +19,7 @@ pub(super) fn along<const N: usize>(points: &[Vector<N>]) -> Vec<u32> {
     let size = (hi - lo).max();
     let scale = if size > 0.0 { f64::from((1u32 << BITS) - 1) / size } else { 0.0 };
     let key = |x: &Vector<N>| hilbert::<N>(std::array::from_fn(|k| ((x[k] - lo[k]) * scale) as u32));
-    let mut keyed: Vec<(u64, u32)> = points.par_iter().enumerate().map(|(i, x)| (key(x), i as u32)).collect();
+    let mut keyed: Vec<(u64, u32)> = parallel::map(points.len(), |i| (key(&points[i]), i as u32));
     keyed.par_sort_unstable();
     keyed.into_iter().map(|(_, i)| i).collect()
 }

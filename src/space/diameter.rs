@@ -4,7 +4,7 @@ use super::Space;
 use crate::basis::{Cell, Order};
 use crate::geometry::{MapTable, Sampler, cell};
 use crate::linalg::Real;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Points per direction between which distances are taken: corners and midpoints, so that curved edges count.
 const POINTS: usize = 3;
@@ -19,6 +19,6 @@ pub fn diameter<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) 
         pairs.fold(T::zero(), |most, d| most.max(d))
     };
     let maps = || (Sampler::new(space, Order::Values), MapTable::new());
-    let largest = (0..space.num_elements()).into_par_iter().map_init(maps, of).reduce(T::zero, |a, b| a.max(b));
+    let largest = parallel::map_init(space.num_elements(), maps, of).into_iter().fold(T::zero(), T::max);
     largest.sqrt()
 }

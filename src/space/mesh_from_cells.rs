@@ -9,7 +9,7 @@ use super::{FunctionSpace, InvertedElement, MAX_DEGREE_SIMPLEX, MAX_DEGREE_TENSO
 use crate::basis::{Basis, Cell, Order, ShapeTable, Topology, Unstructured, corner_places, lagrange_nodes, lattice, simplex_nodes};
 use crate::geometry::{ControlPoints, cell};
 use crate::linalg::{Matrix, Vector, determinant};
-use rayon::prelude::*;
+use crate::parallel;
 use std::sync::Arc;
 
 /// Largest geometry order of cells.
@@ -246,7 +246,7 @@ impl<const N: usize> NodesOfKinds<N> {
 
     /// Flags the cells that are left-handed at their centre.
     fn flipped(&self, raw: &RawCells<'_, N>) -> Vec<bool> {
-        (0..raw.list.len()).into_par_iter().map_init(Vec::new, |x, e| self.jacobian(raw, e, x) < 0.0).collect()
+        parallel::map_init(raw.list.len(), Vec::new, |x, e| self.jacobian(raw, e, x) < 0.0)
     }
 
     /// Turns [`MeshError::Folded`] of cells of different handedness into an inverted element: the one unlike most cells.

@@ -4,8 +4,8 @@ use super::Space;
 use crate::basis::{Cell, Order};
 use crate::geometry::{Geometry, MapTable, Sampler, cell, circumference};
 use crate::linalg::{Matrix, Real, Vector, determinant, lit, measure as scale, to_f64};
+use crate::parallel;
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
-use rayon::prelude::*;
 
 /// Jacobians below this share of the element's largest are zero: a collapsed edge, not an inversion.
 const ZERO: f64 = 1e-10;
@@ -58,32 +58,29 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
         .map(|kind| (DEGREES[0]..=DEGREES[1]).map(|degree| cell::grid::<N, T>(kind, degree + 2)).collect::<Vec<_>>());
     let centers = [Cell::Tensor, Cell::Simplex].map(cell::center::<N, T>);
     let maps = || (Sampler::new(space, Order::Gradients), MapTable::<N, N, T>::new());
-    let sampled: Vec<Sampled<N>> = (0..space.num_elements())
-        .into_par_iter()
-        .map_init(maps, |(map, table), e| {
-            let degree = space.degree(e).into_iter().max().unwrap_or(1).clamp(DEGREES[0], DEGREES[1]);
-            let kind = usize::from(space.cell(e) == Cell::Simplex);
-            // sets of points by their degree, the centre before them
-            let (set, points) = match space.map_structure().is_affine(e) {
-                true => (0, std::slice::from_ref(&centers[kind])),
-                false => (degree, &grids[kind][degree - DEGREES[0]][..]),
-            };
-            map.map(e, 2 * set + kind, points, table);
-            let mut s = Sampled { mean: 0.0, least: (f64::INFINITY, Vector::zeros()), most: (f64::NEG_INFINITY, Vector::zeros()) };
-            for (j, x) in table.jacobian.iter().zip(&table.x) {
-                let d = to_f64(determinant(j));
-                let x = x.map(to_f64);
-                s.mean += d / points.len() as f64;
-                if d < s.least.0 || d.is_nan() {
-                    s.least = (d, x);
-                }
-                if d > s.most.0 || d.is_nan() {
-                    s.most = (d, x);
-                }
+    let sampled: Vec<Sampled<N>> = parallel::map_init(space.num_elements(), maps, |(map, table), e| {
+        let degree = space.degree(e).into_iter().max().unwrap_or(1).clamp(DEGREES[0], DEGREES[1]);
+        let kind = usize::from(space.cell(e) == Cell::Simplex);
+        // sets of points by their degree, the centre before them
+        let (set, points) = match space.map_structure().is_affine(e) {
+            true => (0, std::slice::from_ref(&centers[kind])),
+            false => (degree, &grids[kind][degree - DEGREES[0]][..]),
+        };
+        map.map(e, 2 * set + kind, points, table);
+        let mut s = Sampled { mean: 0.0, least: (f64::INFINITY, Vector::zeros()), most: (f64::NEG_INFINITY, Vector::zeros()) };
+        for (j, x) in table.jacobian.iter().zip(&table.x) {
+            let d = to_f64(determinant(j));
+            let x = x.map(to_f64);
+            s.mean += d / points.len() as f64;
+            if d < s.least.0 || d.is_nan() {
+                s.least = (d, x);
             }
-            s
-        })
-        .collect();
+            if d > s.most.0 || d.is_nan() {
+                s.most = (d, x);
+            }
+        }
+        s
+    });
     let left_handed = sampled.iter().map(|s| s.mean).sum::<f64>() < 0.0;
     let mut worst: Option<InvertedElement> = None;
     let mut quality = Quality { least_jacobian: f64::INFINITY, element: 0, at: Vector::zeros(), left_handed, degenerate: Vec::new() };
@@ -148,29 +145,26 @@ fn integral<const D: usize, const N: usize, T: Real, X: Geometry<D, N, T> + ?Siz
         Cell::Simplex => (cell::center::<D, T>(kind), T::one() / crate::linalg::num((1..=D).product::<usize>())),
     });
     let maps = || (Sampler::new(geometry, Order::Gradients), MapTable::<D, N, T>::new());
-    let parts: Vec<T> = (0..geometry.num_elements())
-        .into_par_iter()
-        .map_init(maps, |(map, table), e| {
-            let kind = usize::from(geometry.cell(e) == Cell::Simplex);
-            if geometry.map_structure().is_affine(e) {
-                let (point, size) = &affine[kind];
-                map.map(e, kind, std::slice::from_ref(point), table);
-                return scale(&table.jacobian[0]) * *size * f(&table.x[0]);
+    let parts: Vec<T> = parallel::map_init(geometry.num_elements(), maps, |(map, table), e| {
+        let kind = usize::from(geometry.cell(e) == Cell::Simplex);
+        if geometry.map_structure().is_affine(e) {
+            let (point, size) = &affine[kind];
+            map.map(e, kind, std::slice::from_ref(point), table);
+            return scale(&table.jacobian[0]) * *size * f(&table.x[0]);
+        }
+        let mut last = T::zero();
+        for (k, rule) in rules[kind].iter().enumerate() {
+            map.map(e, 2 * (k + 1) + kind, &rule.points, table);
+            let points = table.jacobian.iter().zip(&rule.weights).zip(&table.x);
+            let sum = points.fold(T::zero(), |s, ((j, &w), x)| s + scale(j) * w * f(x));
+            let settled = k > 0 && (sum - last).abs() <= lit::<T>(16.0) * rounding(table) * sum.abs();
+            last = sum;
+            if settled {
+                break;
             }
-            let mut last = T::zero();
-            for (k, rule) in rules[kind].iter().enumerate() {
-                map.map(e, 2 * (k + 1) + kind, &rule.points, table);
-                let points = table.jacobian.iter().zip(&rule.weights).zip(&table.x);
-                let sum = points.fold(T::zero(), |s, ((j, &w), x)| s + scale(j) * w * f(x));
-                let settled = k > 0 && (sum - last).abs() <= lit::<T>(16.0) * rounding(table) * sum.abs();
-                last = sum;
-                if settled {
-                    break;
-                }
-            }
-            last
-        })
-        .collect();
+        }
+        last
+    });
     parts.into_iter().fold(T::zero(), |s, p| s + p)
 }
 

@@ -6,9 +6,11 @@ use super::slots::Batch;
 use super::{Pattern, parts, shares};
 use crate::basis::{Basis, Cell, Order, ShapeTable};
 use crate::linalg::{Real, to_f64};
+use crate::parallel;
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 use crate::space::Space;
-use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Weights of one pair of reference cells.
 struct Weights {
@@ -60,39 +62,43 @@ pub(in crate::assembly) fn means<const D: usize, const N: usize, T: Real, S: Spa
     let functions = pattern.num_functions();
     let mut places = vec![[0.0; 3]; components * functions];
     let ranges = shares(pattern.ptr(), rayon::current_num_threads());
-    let owned = parts(&mut places, &ranges, |i| components * i).into_par_iter().zip(&ranges);
-    let known: Option<Vec<()>> = owned
-        .map(|(places, range)| {
-            let (mut sums, mut kinds) = (vec![0.0; range.len()], Kinds::<_, Weights>::default());
-            let (mut ids, mut points) = (Vec::new(), Vec::new());
-            let reaches = |b: &&Batch| (b.least as usize) < range.end && range.start < b.end as usize;
-            for batch in slots.batches.iter().filter(reaches) {
-                for (&e, own) in batch.cells().iter().zip(slots.ids(batch)) {
-                    let e = e as usize;
-                    let key = (batch.reference, control.basis.structure().reference(e)?);
-                    let k = kinds.place(key, |_| Some(Weights::of_cell(space, control.basis, e)))?;
-                    let kind = &kinds.of[k];
-                    points.clear();
-                    points.extend(nodes.of(e, &mut ids).iter().map(|&i| nodes.point(i)));
-                    for (&i, weights) in own.iter().zip(kind.of.chunks_exact(kind.nodes + 1)) {
-                        let own = (i as usize).wrapping_sub(range.start);
-                        let Some(sum) = sums.get_mut(own) else { continue };
-                        let place = &mut places[components * own];
-                        for (x, w) in points.iter().zip(weights) {
-                            for k in 0..N.min(3) {
-                                place[k] += w * x[k];
-                            }
+    let owned = parts(&mut places, &ranges, |i| components * i).into_iter().zip(&ranges);
+    let whole = AtomicBool::new(true);
+    let own = |(places, range): (&mut [[f64; 3]], &Range<usize>)| -> Option<()> {
+        let (mut sums, mut kinds) = (vec![0.0; range.len()], Kinds::<_, Weights>::default());
+        let (mut ids, mut points) = (Vec::new(), Vec::new());
+        let reaches = |b: &&Batch| (b.least as usize) < range.end && range.start < b.end as usize;
+        for batch in slots.batches.iter().filter(reaches) {
+            for (&e, own) in batch.cells().iter().zip(slots.ids(batch)) {
+                let e = e as usize;
+                let key = (batch.reference, control.basis.structure().reference(e)?);
+                let k = kinds.place(key, |_| Some(Weights::of_cell(space, control.basis, e)))?;
+                let kind = &kinds.of[k];
+                points.clear();
+                points.extend(nodes.of(e, &mut ids).iter().map(|&i| nodes.point(i)));
+                for (&i, weights) in own.iter().zip(kind.of.chunks_exact(kind.nodes + 1)) {
+                    let own = (i as usize).wrapping_sub(range.start);
+                    let Some(sum) = sums.get_mut(own) else { continue };
+                    let place = &mut places[components * own];
+                    for (x, w) in points.iter().zip(weights) {
+                        for k in 0..N.min(3) {
+                            place[k] += w * x[k];
                         }
-                        *sum += weights[kind.nodes];
                     }
+                    *sum += weights[kind.nodes];
                 }
             }
-            for (places, weight) in places.chunks_exact_mut(components).zip(sums) {
-                let w = if weight > 0.0 { weight } else { 1.0 };
-                places.fill(places[0].map(|x| x / w));
-            }
-            Some(())
-        })
-        .collect();
-    known.map(|_| places)
+        }
+        for (places, weight) in places.chunks_exact_mut(components).zip(sums) {
+            let w = if weight > 0.0 { weight } else { 1.0 };
+            places.fill(places[0].map(|x| x / w));
+        }
+        Some(())
+    };
+    parallel::for_each(owned, |part| {
+        if own(part).is_none() {
+            whole.store(false, Ordering::Relaxed);
+        }
+    });
+    whole.into_inner().then_some(places)
 }

@@ -43,12 +43,12 @@ use super::graph::{parts, shares};
 use super::pattern::Pattern;
 use super::source::Integrand;
 use crate::linalg::{Csr, Real};
+use crate::parallel;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
 use batch::{BatchKernel, Entries, Member};
 use nodes::MapNodes;
 use points::{Key, Kinds, PointTables, SameTables};
-use rayon::prelude::*;
 use scatter::Rows;
 use slots::RowPlaces;
 use std::any::TypeId;
@@ -78,25 +78,21 @@ impl<'a, const D: usize, const N: usize, T: Real> CellSpace<'a, D, N, T> {
             return None;
         }
         let (slots, control) = (pattern.slots()?, space.map_structure().control()?);
-        let keyed: Vec<Option<Vec<(Key, Member)>>> = slots
-            .batches
-            .par_chunks(BATCHES_PER_TASK)
-            .enumerate()
-            .map(|(task, batches)| {
-                let mut members: Vec<(Key, Member)> = Vec::with_capacity(batches.len());
-                for (k, batch) in batches.iter().enumerate() {
-                    let own = members.len();
-                    for (lane, &e) in batch.cells().iter().enumerate() {
-                        let key = points::key(batch.reference, control.basis, e as usize, quadrature.rule(e as usize))?;
-                        match members[own..].iter_mut().find(|m| m.0 == key) {
-                            Some((_, member)) => member.lanes |= 1 << lane,
-                            None => members.push((key, Member { batch: (task * BATCHES_PER_TASK + k) as u32, lanes: 1 << lane })),
-                        }
+        let keyed: Vec<Option<Vec<(Key, Member)>>> = parallel::map_ranges(slots.batches.len(), BATCHES_PER_TASK, |range| {
+            let batches = &slots.batches[range.clone()];
+            let mut members: Vec<(Key, Member)> = Vec::with_capacity(batches.len());
+            for (k, batch) in batches.iter().enumerate() {
+                let own = members.len();
+                for (lane, &e) in batch.cells().iter().enumerate() {
+                    let key = points::key(batch.reference, control.basis, e as usize, quadrature.rule(e as usize))?;
+                    match members[own..].iter_mut().find(|m| m.0 == key) {
+                        Some((_, member)) => member.lanes |= 1 << lane,
+                        None => members.push((key, Member { batch: (range.start + k) as u32, lanes: 1 << lane })),
                     }
                 }
-                Some(members)
-            })
-            .collect();
+            }
+            Some(members)
+        });
         let mut groups = Kinds::default();
         for members in keyed {
             for (key, member) in members? {
@@ -119,7 +115,7 @@ impl<'a, const D: usize, const N: usize, T: Real> CellSpace<'a, D, N, T> {
         // owners of equal numbers of entries
         let ranges = shares(ptr, rayon::current_num_threads());
         let owned = parts(values, &ranges, |i| C * C * ptr[i]);
-        owned.into_par_iter().zip(ranges).for_each(|(values, functions)| match &slots.places {
+        parallel::for_each(owned.into_iter().zip(ranges), |(values, functions)| match &slots.places {
             RowPlaces::Short(places) => self.rows::<C, u16>(pattern, places, source, symmetric, functions, (values, add)),
             RowPlaces::Long(places) => self.rows::<C, u32>(pattern, places, source, symmetric, functions, (values, add)),
         });

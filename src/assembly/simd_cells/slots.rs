@@ -3,14 +3,12 @@
 use super::points::Kinds;
 use crate::assembly::graph::{Graph, Sites, shares};
 use crate::linalg::Buffer;
-use rayon::prelude::*;
+use crate::parallel;
 
 /// Cells of a batch, whatever the number of lanes is.
 pub(in crate::assembly) const BATCH: usize = 8;
 /// Marker for no cell.
 const NONE: u32 = u32::MAX;
-/// Cells handed to one task at a time.
-const CELLS_PER_TASK: usize = 1 << 12;
 /// One owner is faster if more than one in this many batches has functions of several owners.
 const SCATTERED: usize = 4;
 
@@ -158,7 +156,7 @@ fn ordered_entries(n: usize) -> Vec<usize> {
 fn batched(graph: &Graph, references: &[usize]) -> (Vec<Batch>, Vec<u32>, Vec<usize>) {
     let (elements, functions) = (graph.num_elements(), graph.num_functions());
     let span = |e: usize| graph.ids(e).iter().fold((functions as u32, 0), |(lo, hi), &i| (lo.min(i), hi.max(i + 1)));
-    let spans: Vec<(u32, u32)> = (0..elements).into_par_iter().with_min_len(CELLS_PER_TASK).map(span).collect();
+    let spans: Vec<(u32, u32)> = parallel::map(elements, span);
     let mut start = vec![0u32; functions + 2];
     for span in &spans {
         start[span.1 as usize + 1] += 1;

@@ -5,8 +5,8 @@ use super::sums::Sums;
 use super::visit::{BatchVisit, PointQuantity};
 use crate::assembly::sum_factorization::{state, state_size};
 use crate::linalg::Real;
+use crate::parallel;
 use crate::space::{FieldAt, Space};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Elements of one task: their numbers stay in the L2 cache.
@@ -42,7 +42,7 @@ impl<const N: usize, T: Real, S: Space<N, N, T> + ?Sized> Sums<'_, N, N, T, S> {
             };
             range.zip(places.iter()).map(own).collect::<Vec<R>>()
         };
-        let tasks: Vec<Vec<R>> = (0..elements.div_ceil(ELEMENTS_PER_TASK)).into_par_iter().map_init(new, of_task).collect();
+        let tasks: Vec<Vec<R>> = parallel::map_init(elements.div_ceil(ELEMENTS_PER_TASK), new, of_task);
         tasks.into_iter().flatten().collect()
     }
 

@@ -10,9 +10,9 @@ use crate::assembly::Form;
 use crate::assembly::source::Integrand;
 use crate::assembly::sum_factorization::{PointCallback, PointOperator, SQUARES};
 use crate::linalg::{Real, lit};
+use crate::parallel;
 use crate::quadrature::Quadrature;
 use crate::space::Space;
-use rayon::prelude::*;
 
 /// Elements of one task, and tasks whose results wait at a time.
 const ELEMENTS_PER_TASK: usize = 256;
@@ -90,7 +90,7 @@ impl<'a, const D: usize, const N: usize, T: Real, S: Space<D, N, T> + ?Sized> Su
         let mut tasks: Vec<Task> = (0..TASKS_AT_ONCE).map(|_| Task::default()).collect();
         for SameTables { tables, members } in &self.groups {
             for block in members.chunks(ELEMENTS_PER_TASK * TASKS_AT_ONCE) {
-                tasks.par_iter_mut().zip(block.par_chunks(ELEMENTS_PER_TASK)).for_each(|(task, elements)| {
+                parallel::for_each(tasks.iter_mut().zip(block.chunks(ELEMENTS_PER_TASK)), |(task, elements)| {
                     task.numbers.clear();
                     task.ids.clear();
                     for &e in if ids { elements } else { &[] } {

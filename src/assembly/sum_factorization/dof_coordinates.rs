@@ -4,8 +4,8 @@ use super::axis::AxisTable;
 use super::map::{self, ElementScratch, Map, MapTile, numbers};
 use super::tensor_field::{Curves, Tile};
 use super::{Patch, Patches};
+use crate::parallel;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
-use rayon::prelude::*;
 
 /// Sums of a plane of points, contracted with squared functions: `[function][x.., 1]`, times 1 / W².
 type Contracted = Vec<f64>;
@@ -25,8 +25,7 @@ impl<const N: usize> pulp::WithSimd for Planes<'_, '_, N> {
         let tasks = if N == 3 { axes[2].points() } else { axes[1].points().div_ceil(S::F64_LANES) };
         // in the plane one contraction serves all tiles
         let all = (N == 2).then(|| Contraction::of::<N>(self.patch, (0, 0)));
-        let planes: Vec<Vec<Contracted>> =
-            (0..tasks).into_par_iter().map(|k| planes::<S, N>(simd, self.patch, &owners, k, all.as_ref())).collect();
+        let planes: Vec<Vec<Contracted>> = parallel::map(tasks, |k| planes::<S, N>(simd, self.patch, &owners, k, all.as_ref()));
         planes.into_iter().flatten().collect()
     }
 }
@@ -178,18 +177,15 @@ impl Patch<'_> {
         let planes = if n == 2 { arch.dispatch(Planes::<2> { patch: self }) } else { arch.dispatch(Planes::<3> { patch: self }) };
         let slow = &self.axes[n - 1];
         let owners = slow.owners();
-        let rows: Vec<Contracted> = (0..slow.functions)
-            .into_par_iter()
-            .map(|i| {
-                let mut sum = vec![0.0; planes.first().map_or(0, Vec::len)];
-                let (from, to) = slow.support[i];
-                for q in slow.start[from]..slow.start[to] {
-                    let square = slow.values[q * slow.active + i - slow.first[owners[q]]].powi(2);
-                    sum.iter_mut().zip(&planes[q]).for_each(|(s, v)| *s += square * v);
-                }
-                sum
-            })
-            .collect();
+        let rows: Vec<Contracted> = parallel::map(slow.functions, |i| {
+            let mut sum = vec![0.0; planes.first().map_or(0, Vec::len)];
+            let (from, to) = slow.support[i];
+            for q in slow.start[from]..slow.start[to] {
+                let square = slow.values[q * slow.active + i - slow.first[owners[q]]].powi(2);
+                sum.iter_mut().zip(&planes[q]).for_each(|(s, v)| *s += square * v);
+            }
+            sum
+        });
         let scale = |i: usize| self.weight.as_ref().map_or(1.0, |(_, weights)| weights[i] * weights[i]);
         let sums = rows.iter().flat_map(|row| row.chunks_exact(n + 1)).enumerate();
         sums.map(|(i, sum)| std::array::from_fn(|k| scale(i) * if k == 3 { sum[n] } else { sum[..n].get(k).copied().unwrap_or(0.0) }))

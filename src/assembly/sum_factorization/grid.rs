@@ -15,8 +15,8 @@ use super::simd::Aligned;
 use super::states::{Gradients, State};
 use super::tensor_field::TensorField;
 use crate::assembly::source::Integrand;
+use crate::parallel;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Bytes of results of tiles that are held at a time.
@@ -124,8 +124,8 @@ impl<'a, 'p> QuadratureGrid<'a, 'p> {
             for from in (0..tiles).step_by(waiting) {
                 let count = waiting.min(tiles - from);
                 let results = &mut results[..count * lanes * size];
-                let shares = results.par_chunks_mut((share * lanes * size).max(1)).zip(&mut memory).enumerate();
-                shares.for_each(|(k, (out, (scratch, visit)))| {
+                let shares = results.chunks_mut((share * lanes * size).max(1)).zip(&mut memory).enumerate();
+                parallel::for_each(shares, |(k, (out, (scratch, visit)))| {
                     for (j, out) in out.chunks_exact_mut((lanes * size).max(1)).enumerate() {
                         let tile = from + k * share + j;
                         scratch.lanes.clear();

@@ -6,8 +6,8 @@
 use super::axis::AxisTable;
 use super::simd::{Aligned, rows};
 use crate::linalg::{Real, lit};
+use crate::parallel;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Memory of the lines and planes of one field of `width` numbers per function.
@@ -192,7 +192,7 @@ pub(super) fn slow<T: Real>(
         return;
     }
     let (from, to) = (axis.first[owners[points.start]], axis.first[owners[points.end - 1]] + axis.active);
-    out[from * numbers..to * numbers].par_chunks_mut(numbers).enumerate().for_each(|(k, out)| {
+    parallel::for_each(out[from * numbers..to * numbers].chunks_mut(numbers).enumerate(), |(k, out)| {
         let i = from + k;
         let support = axis.start[axis.support[i].0]..axis.start[axis.support[i].1];
         for q in support.start.max(points.start)..support.end.min(points.end) {

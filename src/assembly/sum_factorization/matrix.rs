@@ -8,7 +8,7 @@ use crate::assembly::Form;
 use crate::assembly::pattern::each_row;
 use crate::assembly::source::Integrand;
 use crate::linalg::{Buffer, Csr, Real, Sparsity};
-use rayon::prelude::*;
+use crate::parallel;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -106,7 +106,7 @@ impl Patch<'_> {
         rayon::scope(|_| {
             // parts that would leave some threads without one are shared by all
             let shared = parts.split_off(if plane { parts.len() } else { parts.len() / threads * threads });
-            parts.into_par_iter().for_each(|part| write.march(plan, part, 1));
+            parallel::for_each(parts.into_iter(), |part| write.march(plan, part, 1));
             shared.into_iter().for_each(|part| write.march(plan, part, threads));
         });
     }
@@ -167,8 +167,8 @@ impl Write<'_> {
         let mut planes = pieces.chunks_exact_mut(middle.len().max(1));
         march(plan, part, threads, &mut |sums: Sums<'_>, rows: Range<usize>| {
             for (slow, plane) in rows.zip(&mut planes) {
-                let shares = plane.par_chunks_mut(share).zip(&mut kept).enumerate();
-                shares.for_each(|(task, (own, scratch))| {
+                let shares = plane.chunks_mut(share).zip(&mut kept).enumerate();
+                parallel::for_each(shares, |(task, (own, scratch))| {
                     for (k, out) in (middle.start + task * share..).zip(own) {
                         sums.write(self.to, [k, slow], self.add, scratch, out);
                     }

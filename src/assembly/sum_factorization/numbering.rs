@@ -5,7 +5,7 @@ use super::{Patch, Patches};
 use crate::assembly::pattern::each_row;
 use crate::basis::{Basis, TensorPatch};
 use crate::linalg::{Real, lit, to_f64};
-use rayon::prelude::*;
+use crate::parallel;
 
 /// The patches of `basis`, or the one block that covers it; `None` where they do not cover all elements, or where the basis
 /// numbers its functions in another way than they say.
@@ -97,9 +97,6 @@ fn agrees<const N: usize, T: Real, B: Basis<N, T> + ?Sized>(basis: &B, part: &Te
     true
 }
 
-/// Rows whose neighbours are gathered by one task.
-const ROWS_AT_ONCE: usize = 512;
-
 /// The functions of all patches, one patch after the other, and their numbers in the whole.
 #[derive(Clone, Debug)]
 pub(in crate::assembly) struct Glue {
@@ -151,7 +148,7 @@ impl Glue {
         let mut glue = Self { functions, ids, first, run_end, direct: Vec::new(), merged: Vec::new(), columns, start, owners };
         let patch_of = |i: usize| glue.first.partition_point(|&f| f <= i);
         glue.merged = (0..functions).filter(|&k| glue.owners(k).windows(2).any(|w| patch_of(w[0]) == patch_of(w[1]))).collect();
-        glue.direct = (0..functions).into_par_iter().with_min_len(ROWS_AT_ONCE).map(|k| glue.is_direct(patches, k)).collect();
+        glue.direct = parallel::map(functions, |k| glue.is_direct(patches, k));
         glue
     }
 
@@ -215,7 +212,7 @@ impl Glue {
             self.neighbours(patches, k, row);
             row.len()
         };
-        let counts: Vec<usize> = (0..self.functions).into_par_iter().with_min_len(ROWS_AT_ONCE).map_init(Vec::new, count).collect();
+        let counts: Vec<usize> = parallel::map_init(self.functions, Vec::new, count);
         let mut ptr = Vec::with_capacity(self.functions + 1);
         ptr.push(0usize);
         for count in counts {

@@ -23,7 +23,7 @@ use super::numbering::Glue;
 use super::sweep::{RowRange, Strip, SweepPlan, march};
 use crate::assembly::pattern::each_row;
 use crate::linalg::{Csr, Real, Sparsity, lit};
-use rayon::prelude::*;
+use crate::parallel;
 use std::cmp::Ordering;
 use std::ops::Range;
 
@@ -368,7 +368,7 @@ impl Target<'_> {
             (slots[i], rest, next) = (Some(own), others, end);
         }
         let share = lines.div_ceil(if threads == 1 { 1 } else { TASKS_PER_THREAD * threads }).max(1);
-        slots.par_chunks_mut(share * n0).enumerate().for_each(|(task, slots)| {
+        parallel::for_each(slots.chunks_mut(share * n0).enumerate(), |(task, slots)| {
             let mut scratch = RowScratch::default();
             for (k, slots) in slots.chunks_mut(n0).enumerate() {
                 let line = task * share + k;

@@ -11,9 +11,9 @@ use super::simd::Aligned;
 use super::tensor_field::TensorField;
 use super::{Patch, Patches, point_operator};
 use crate::linalg::{Matrix, Real, Vector, lit};
+use crate::parallel;
 use crate::space::FieldAt;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Numbers per point: position, values, gradients.
@@ -166,7 +166,7 @@ fn elements<const C: usize, const N: usize, T: Real, W: Default, R: Send>(
         }
         visit(kept, patch.first_element + e + slow * first.elements() * middle.elements(), states)
     };
-    (0..first.elements() * middle.elements()).into_par_iter().map_init(Default::default, own).collect()
+    parallel::map_init(first.elements() * middle.elements(), Default::default, own)
 }
 
 /// A point from its numbers: position, values, gradients component by component.

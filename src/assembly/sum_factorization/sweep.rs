@@ -29,8 +29,8 @@ use super::states::State;
 use super::tensor_field::TensorField;
 use super::tile::{Add, Layer, Scratch, Sweep};
 use crate::assembly::source::Integrand;
+use crate::parallel;
 use pulp::{Simd, bytemuck};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Bytes of contracted tiles that a layer of elements aims at: they stay in the second cache in the plane; in space one
@@ -188,7 +188,7 @@ fn run<S: Simd, const N: usize>(simd: S, march: March<'_, '_, '_, N>) {
                 let tasks = count * sweep.lines;
                 let share = tasks.div_ceil(groups).max(1);
                 let out = &mut tiles[slot * sweep.lines * sweep.task..][..tasks * sweep.task];
-                out.par_chunks_mut(share * sweep.task).zip(&mut scratch).enumerate().for_each(|(k, (chunk, scratch))| {
+                parallel::for_each(out.chunks_mut(share * sweep.task).zip(&mut scratch).enumerate(), |(k, (chunk, scratch))| {
                     for (j, out) in chunk.chunks_exact_mut(sweep.task).enumerate() {
                         let task = k * share + j;
                         let (tile, line) = (new.start + task / sweep.lines, task % sweep.lines);
@@ -202,7 +202,7 @@ fn run<S: Simd, const N: usize>(simd: S, march: March<'_, '_, '_, N>) {
 
             let share = sweep.vectors.div_ceil(groups).max(1);
             let (sweep, layer, tiles) = (&sweep, &layer, &*tiles);
-            ring.par_chunks_mut(share * sweep.vector).zip(&mut scratch).enumerate().for_each(|(k, (chunk, scratch))| {
+            parallel::for_each(ring.chunks_mut(share * sweep.vector).zip(&mut scratch).enumerate(), |(k, (chunk, scratch))| {
                 for (j, sums) in chunk.chunks_exact_mut(sweep.vector).enumerate() {
                     simd.vectorize(Add { simd, sweep, layer, window, r: k * share + j, tiles, scratch: &mut scratch.sums, sums });
                 }

@@ -9,8 +9,8 @@ use super::states::Physical;
 use super::sweep::{Strip, SweepPlan, Window, Windows};
 use super::tensor_field::{Curves, Tile};
 use crate::assembly::source::Integrand;
+use crate::parallel;
 use pulp::{NullaryFnOnce, Simd, bytemuck};
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Elements and points of the slowest direction.
@@ -144,10 +144,11 @@ impl<'a, 'p, const N: usize> Sweep<'a, 'p, N> {
                 net.curves::<N>((q, self.owners[1][q]), elements, out, plane);
             };
             // a march of one thread must not wait for another, which would begin a march meanwhile: its sums are large
+            let tasks = all.iter_mut().zip(&mut lines.planes).take(layer.points.len()).enumerate();
             if self.shared {
-                all.par_iter_mut().zip(&mut lines.planes).take(layer.points.len()).enumerate().for_each(line);
+                parallel::for_each(tasks, line);
             } else {
-                all.iter_mut().zip(&mut lines.planes).take(layer.points.len()).enumerate().for_each(line);
+                tasks.for_each(line);
             }
         }
     }

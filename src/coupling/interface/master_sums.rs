@@ -25,7 +25,7 @@ use crate::basis::Order;
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector, lit};
-use rayon::prelude::*;
+use crate::parallel;
 use std::cmp::Ordering;
 
 /// Ranges on a master element closer than this share of it are one, and end at its end.
@@ -66,15 +66,14 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for MasterSums<T> {
         }
         let sides = PieceSides::new(slave, master, self.partners, self.points);
         let found: Vec<Result<Vec<(usize, Arc<T>)>, CouplingError>> =
-            (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| arcs(&sides, e, work)).collect();
+            parallel::map_init(slave.num_elements(), Work::new, |work, e| arcs(&sides, e, work));
         // the first error in the order of elements, at any number of threads
         let found = found.into_iter().collect::<Result<Vec<_>, _>>()?;
         let mut of_master: Vec<Vec<Arc<T>>> = vec![Vec::new(); master.num_elements()];
         for (owner, arc) in found.into_iter().flatten() {
             of_master[owner].push(arc);
         }
-        let summed: Vec<Vec<Summed<T>>> =
-            of_master.par_iter().enumerate().map_init(Work::new, |work, (e, arcs)| sums(&sides, e, arcs, work)).collect();
+        let summed: Vec<Vec<Summed<T>>> = parallel::map_init(of_master.len(), Work::new, |work, e| sums(&sides, e, &of_master[e], work));
         let mut pieces: Vec<(usize, Summed<T>)> =
             summed.into_iter().enumerate().flat_map(|(e, list)| list.into_iter().map(move |piece| (e, piece))).collect();
         pieces.sort_by_key(|(_, piece)| piece.slave);

@@ -21,8 +21,8 @@ use crate::basis::Order;
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector, lit};
+use crate::parallel;
 use crate::quadrature::{Rule, gauss_legendre};
-use rayon::prelude::*;
 
 /// Bisections of a jump of the closest point.
 const JUMP_STEPS: usize = 50;
@@ -56,8 +56,7 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for MergedCurve<T> {
             return Err(CouplingError::NothingFaces);
         }
         let sides = PieceSides::new(slave, master, self.partners, self.points);
-        let parts: Vec<SlavePieces<1, T>> =
-            (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
+        let parts: Vec<SlavePieces<1, T>> = parallel::map_init(slave.num_elements(), Work::new, |work, e| sides.element(e, work));
         join(parts, master, matches!(self.partners, Partners::Touching(_)))
     }
 }

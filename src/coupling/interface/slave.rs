@@ -13,8 +13,8 @@ use crate::basis::Order;
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector, measure};
+use crate::parallel;
 use crate::quadrature::{Quadrature, Rule, gauss_legendre};
-use rayon::prelude::*;
 
 /// Gauss points on the slave elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,8 +50,7 @@ impl<const N: usize, T: Real> InterfaceQuadrature<1, N, T> for SlaveRule<T> {
             partners: self.partners,
             gauss: gauss_legendre::<T>(self.points.max(1)),
         };
-        let parts: Vec<SlavePieces<1, T>> =
-            (0..slave.num_elements()).into_par_iter().map_init(Work::new, |work, e| sides.element(e, work)).collect();
+        let parts: Vec<SlavePieces<1, T>> = parallel::map_init(slave.num_elements(), Work::new, |work, e| sides.element(e, work));
         join(parts, master, matches!(self.partners, Partners::Touching(_)))
     }
 }

@@ -6,8 +6,8 @@ mod sum;
 
 use super::Csr;
 use super::residual::max;
+use crate::parallel;
 use pulp::{Arch, Simd, WithSimd};
-use rayon::prelude::*;
 use sum::{SUMS, dot};
 
 pub(crate) use sum::Sum;
@@ -37,7 +37,7 @@ fn rows_with(arch: Arch, a: &Csr<f64>, x: &[f64], r: &mut [f64], row: &(impl Fn(
     if r.len() <= share || rayon::current_num_threads() == 1 {
         return r.chunks_mut(share).enumerate().map(part).fold([0.0; 2], larger);
     }
-    r.par_chunks_mut(share).enumerate().map(part).reduce(|| [0.0; 2], larger)
+    parallel::map_each(r.chunks_mut(share).enumerate(), part).into_iter().fold([0.0; 2], larger)
 }
 
 /// The rows of `r`, groups from `first` on.

@@ -4,9 +4,9 @@ use super::lengths::SAME_PLACE;
 use crate::basis::Cell;
 use crate::geometry::{Bounds, MapTable, Sag, Tree, cell};
 use crate::linalg::Vector;
+use crate::parallel;
 use crate::problem::model::BodySide;
 use crate::space::{Clearance, Sight, Skin, SkinPoint, raised, skin_points};
-use rayon::prelude::*;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -81,38 +81,35 @@ pub(super) fn touching_sides<const S: usize, const N: usize>(
         at.retain(|(_, _, s)| far(s) <= least + floor);
         at
     };
-    let seen: Vec<(Seen, Vec<Vec<usize>>)> = (0..facets.len())
-        .into_par_iter()
-        .map_init(MapTable::new, |table, i| {
-            if candidates[i].iter().flat_map(BTreeMap::keys).all(|&b| !allowed[&(facets[i].0, b)]) {
-                return (Seen::new(), Vec::new());
-            }
-            let looked_at = looked_at(i, table);
-            let at_corners = looked_at.iter().zip(&candidates[i]).skip(1).map(|(point, near)| {
-                let at = nearest(i, point, near, table);
-                at.iter().filter(|(_, _, s)| tolerance.is_some() || s.touches(floor)).map(|(b, _, _)| *b).collect()
-            });
-            let at_corners: Vec<Vec<usize>> = at_corners.collect();
-            let at = nearest(i, &looked_at[0], &candidates[i][0], table);
-            if at.is_empty() {
-                return (Seen::new(), at_corners);
-            }
-            let (a, f) = facets[i];
-            let trace = &sides[a].trace;
-            let points = raised(trace, &sags[a], f, &skin_points(trace.space.cell(f)), table);
-            let weight = boxes[i].diagonal().powi(S as i32) / points.len() as f64;
-            let seen = at.iter().map(|(b, reach, first)| {
-                let mut all = Clearance::new();
-                for point in points.iter().filter(|_| tolerance.is_none()) {
-                    if let Some(s) = skins[b].sight(point, reach * (1.0 + SAME_PLACE), floor, table) {
-                        all.see(&s, weight, floor);
-                    }
+    let seen: Vec<(Seen, Vec<Vec<usize>>)> = parallel::map_init(facets.len(), MapTable::new, |table, i| {
+        if candidates[i].iter().flat_map(BTreeMap::keys).all(|&b| !allowed[&(facets[i].0, b)]) {
+            return (Seen::new(), Vec::new());
+        }
+        let looked_at = looked_at(i, table);
+        let at_corners = looked_at.iter().zip(&candidates[i]).skip(1).map(|(point, near)| {
+            let at = nearest(i, point, near, table);
+            at.iter().filter(|(_, _, s)| tolerance.is_some() || s.touches(floor)).map(|(b, _, _)| *b).collect()
+        });
+        let at_corners: Vec<Vec<usize>> = at_corners.collect();
+        let at = nearest(i, &looked_at[0], &candidates[i][0], table);
+        if at.is_empty() {
+            return (Seen::new(), at_corners);
+        }
+        let (a, f) = facets[i];
+        let trace = &sides[a].trace;
+        let points = raised(trace, &sags[a], f, &skin_points(trace.space.cell(f)), table);
+        let weight = boxes[i].diagonal().powi(S as i32) / points.len() as f64;
+        let seen = at.iter().map(|(b, reach, first)| {
+            let mut all = Clearance::new();
+            for point in points.iter().filter(|_| tolerance.is_none()) {
+                if let Some(s) = skins[b].sight(point, reach * (1.0 + SAME_PLACE), floor, table) {
+                    all.see(&s, weight, floor);
                 }
-                (*b, tolerance.is_some() || first.touches(floor), all)
-            });
-            (seen.collect(), at_corners)
-        })
-        .collect();
+            }
+            (*b, tolerance.is_some() || first.touches(floor), all)
+        });
+        (seen.collect(), at_corners)
+    });
     let (seen, at_corners): (Vec<Seen>, Vec<Vec<Vec<usize>>>) = seen.into_iter().unzip();
     let mut out = decided(sides, &facets, &seen, tolerance.is_some(), floor);
     by_corners(&facets, &at_corners, &mut out);
@@ -171,7 +168,7 @@ fn candidates<const S: usize, const N: usize>(
         found
     };
     let near = |table: &mut MapTable<S, N>, i: usize| points(i, table).iter().map(|point| near_point(i, point.x)).collect();
-    (0..facets.len()).into_par_iter().map_init(MapTable::new, near).collect()
+    parallel::map_init(facets.len(), MapTable::new, near)
 }
 
 /// Separates pairs that touch, their distance explained by faceting, from those that are merely near; with `given` no explanation is

@@ -16,10 +16,10 @@ use crate::assembly::element_rule;
 use crate::basis::{Cell, Order, ShapeTable};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::{Vector, determinant, inverse};
+use crate::parallel;
 use crate::problem::model::{BodyModel, Model};
 use crate::quadrature::{Quadrature, Rule};
 use crate::space::Space;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Defect above which the warning is given.
@@ -81,7 +81,7 @@ fn most_bent<const N: usize>(space: &dyn Space<N, N>) -> Vec<usize> {
         let size = corners.iter().map(|x| (x - mean).norm()).fold(0.0, f64::max);
         ((center - mean).norm() / (2.0 * size), e)
     };
-    let mut bent: Vec<(f64, usize)> = (0..space.num_elements()).into_par_iter().map_init(MapTable::new, bend).collect();
+    let mut bent: Vec<(f64, usize)> = parallel::map_init(space.num_elements(), MapTable::new, bend);
     bent.retain(|b| b.0 > STRAIGHT);
     bent.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
     bent.truncate(LOOKED_AT);
@@ -102,7 +102,8 @@ fn defects<const N: usize>(
     beyond: usize,
     rule: &(dyn Fn(usize) -> Rule<N> + Sync),
 ) -> Vec<(usize, f64)> {
-    let of = |(tables, reference): &mut (Tables<N>, Option<Reference<N>>), &e: &usize| {
+    let of = |(tables, reference): &mut (Tables<N>, Option<Reference<N>>), k: usize| {
+        let e = elements[k];
         let rule = rule(e);
         let per_direction = (rule.points.len() as f64).powf(1.0 / N as f64).round() as usize;
         let least = space.degree(e).into_iter().max().unwrap_or(1) + 1;
@@ -114,7 +115,7 @@ fn defects<const N: usize>(
         };
         (e, defect(space, e, &rule, reference.1.rule(0), tables))
     };
-    elements.par_iter().map_init(Default::default, of).collect()
+    parallel::map_init(elements.len(), Default::default, of)
 }
 
 /// Functions and map of an element.

@@ -7,8 +7,8 @@ use super::warning::{Subject, Warning};
 use crate::basis::{Cell, Order};
 use crate::geometry::{MapTable, cell};
 use crate::linalg::{Matrix, Vector, determinant};
+use crate::parallel;
 use crate::problem::model::{BodyModel, Model};
-use rayon::prelude::*;
 
 /// Largest aspect without a warning: the inverse of its square is the round-off of a double.
 const MOST: f64 = 1e8;
@@ -32,10 +32,8 @@ fn worst<const S: usize, const N: usize>(patch: &BodyModel<S, N>) -> (f64, usize
         space.map(e, std::slice::from_ref(center), Order::Gradients, table);
         (aspect(&table.jacobian[0]), e, table.x[0])
     };
-    (0..space.num_elements())
-        .into_par_iter()
-        .map_init(MapTable::new, of)
-        .reduce(|| (0.0, usize::MAX, Vector::zeros()), |a, b| if b.0 > a.0 || (b.0 == a.0 && b.1 < a.1) { b } else { a })
+    let aspects = parallel::map_init(space.num_elements(), MapTable::new, of);
+    aspects.into_iter().fold((0.0, usize::MAX, Vector::zeros()), |a, b| if b.0 > a.0 { b } else { a })
 }
 
 /// Longest column over the least height of the parallelepiped; zero for degenerate ones, which are reported elsewhere.

@@ -18,8 +18,8 @@ use crate::basis::{Cell, Order};
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable, cell, cross};
 use crate::linalg::{Matrix, Vector, determinant, inverse};
+use crate::parallel;
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Deviation of the regions of an element from its cell that is an error of their quadrature.
@@ -57,7 +57,7 @@ impl InterfaceQuadrature<2, 3> for MasterSurfaceSums {
         }
         let points = self.points.max(1);
         let sides = Sides::new(slave, master, self.partners, points)?;
-        let parts = (0..slave.num_elements()).into_par_iter().map(|e| sides.element(e)).collect();
+        let parts = parallel::map(slave.num_elements(), |e| sides.element(e));
         let merged = join(parts, master, false)?;
         let mut of_master: Vec<Vec<Pair>> = vec![Vec::new(); master.num_elements()];
         for piece in 0..merged.num_pieces() {
@@ -66,11 +66,9 @@ impl InterfaceQuadrature<2, 3> for MasterSurfaceSums {
         }
         let rules = [TensorRule::<2>::gauss([points; 2]).rule(0).clone(), simplex_rule(2 * points - 1)];
         let rule = |f: usize| &rules[usize::from(master.cell(f) == Cell::Simplex)];
-        let summed: Vec<Vec<Pair>> = of_master
-            .into_par_iter()
-            .enumerate()
-            .map(|(f, merged)| own_points(slave, master, f, &merged, rule(f)).unwrap_or(merged))
-            .collect();
+        let summed: Vec<Vec<Pair>> = parallel::map_each(of_master.into_iter().enumerate(), |(f, merged)| {
+            own_points(slave, master, f, &merged, rule(f)).unwrap_or(merged)
+        });
         let mut pieces: BTreeMap<(usize, usize), Vec<_>> = BTreeMap::new();
         for (f, list) in summed.into_iter().enumerate() {
             for (element, xi, eta, ds) in list {

@@ -30,8 +30,8 @@ use super::slave_pieces::{SlavePieces, join};
 use super::{InterfaceQuadrature, Partners, Segments, Tolerance};
 use crate::coupling::CouplingError;
 use crate::geometry::Geometry;
+use crate::parallel;
 use element::Sides;
-use rayon::prelude::*;
 
 pub use master_sums::MasterSurfaceSums;
 pub use slave::SlaveSurface;
@@ -64,7 +64,7 @@ impl InterfaceQuadrature<2, 3> for MergedSurface {
             return Err(CouplingError::NothingFaces);
         }
         let sides = Sides::new(slave, master, self.partners, self.points.max(1))?;
-        let parts: Vec<SlavePieces<2, f64>> = (0..slave.num_elements()).into_par_iter().map(|e| sides.element(e)).collect();
+        let parts: Vec<SlavePieces<2, f64>> = parallel::map(slave.num_elements(), |e| sides.element(e));
         join(parts, master, matches!(self.partners, Partners::Touching(_)))
     }
 }

@@ -13,8 +13,8 @@ use crate::basis::{Cell, Order};
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable, cross, opposes, unit_normal};
 use crate::linalg::Vector;
+use crate::parallel;
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
-use rayon::prelude::*;
 use std::collections::BTreeMap;
 
 /// Gauss points on the slave elements of surfaces.
@@ -46,7 +46,7 @@ impl InterfaceQuadrature<2, 3> for SlaveSurface {
         let points = self.points.max(1);
         let sides = Sides::new(slave, master, self.partners, points)?;
         let own = OwnPoints { sides: &sides, rules: [TensorRule::<2>::gauss([points; 2]).rule(0).clone(), simplex_rule(2 * points - 1)] };
-        let parts: Vec<SlavePieces<2, f64>> = (0..slave.num_elements()).into_par_iter().map(|e| own.element(e)).collect();
+        let parts: Vec<SlavePieces<2, f64>> = parallel::map(slave.num_elements(), |e| own.element(e));
         join(parts, master, matches!(self.partners, Partners::Touching(_)))
     }
 }
