@@ -45,7 +45,11 @@ pub(crate) fn map_each<X: Send, R: Send>(tasks: impl ExactSizeIterator<Item = X>
         let value = of(task);
         *lock(place) = Some(value);
     });
-    found.into_iter().filter_map(|place| place.into_inner().unwrap_or_else(PoisonError::into_inner)).collect()
+    let mut all = Vec::with_capacity(found.len());
+    for place in found {
+        all.extend(place.into_inner().unwrap_or_else(PoisonError::into_inner));
+    }
+    all
 }
 
 /// The values of `of` for 0..count cut into ranges of `size` numbers, in their order.

@@ -95,6 +95,7 @@ where
                     multiplier,
                     reading,
                     unstable,
+                    is_dual: needs.multiplier && setup.contact.multiplier.is_dual(),
                     cone,
                     against,
                     second,

@@ -142,8 +142,18 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
         result
     }
 
+    /// Measure of its segments [length^S].
+    pub(super) fn measure(&self) -> f64 {
+        self.parts.iter().flat_map(|part| &part.pairings).map(|pairing| pairing.segments.measure()).sum()
+    }
+
+    /// The root mean square of u_slave - u_master over its segments.
+    pub(super) fn mean_jump(&self, model: &Model<S, N>, u: &[f64]) -> f64 {
+        self.jumps(model, u).0 / self.measure().sqrt()
+    }
+
     /// The L2 norm of u_slave - u_master over its segments, and its largest size at their points.
-    pub(super) fn jumps(&self, model: &Model<S, N>, u: &[f64]) -> (f64, f64) {
+    fn jumps(&self, model: &Model<S, N>, u: &[f64]) -> (f64, f64) {
         let (mut sum, mut largest) = (0.0, 0.0_f64);
         for part in &self.parts {
             for pairing in &part.pairings {

@@ -122,6 +122,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             slave: slave.clone(),
             multipliers,
             unstable,
+            is_dual: coupling.has_rows() && tie.multiplier.is_dual(),
             coupling: Arc::clone(coupling),
             pairings,
             rows: empty(0, self.unknowns),

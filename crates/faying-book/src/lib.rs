@@ -3,7 +3,7 @@
 #[doc = include_str!(concat!(env!("OUT_DIR"), "/install.md"))]
 pub mod install {}
 
-/// Eleven tasks from the case file to the number it is held to; each runs as a test.
+/// Twelve tasks from the case file to the number it is held to; each runs as a test.
 ///
 /// | tutorial | what |
 /// | --- | --- |
@@ -18,6 +18,7 @@ pub mod install {}
 /// | [A joint in space](tutorials::t09_joint_in_space) | a tie in three dimensions |
 /// | [Contact in space](tutorials::t10_contact_in_space) | contact in three dimensions |
 /// | [Own Rust program](tutorials::t11_rust_program) | the same by calls, for many variants |
+/// | [Parts, fields, lines](tutorials::t12_parts_fields_lines) | parts of sides, what is drawn, values along a line |
 pub mod tutorials {
     #[doc = include_str!(concat!(env!("OUT_DIR"), "/tutorials/01_tie_two_meshes.md"))]
     pub mod t01_tie_two_meshes {}
@@ -51,6 +52,9 @@ pub mod tutorials {
 
     #[doc = include_str!(concat!(env!("OUT_DIR"), "/tutorials/11_rust_program.md"))]
     pub mod t11_rust_program {}
+
+    #[doc = include_str!(concat!(env!("OUT_DIR"), "/tutorials/12_parts_fields_lines.md"))]
+    pub mod t12_parts_fields_lines {}
 }
 
 #[doc = include_str!(concat!(env!("OUT_DIR"), "/choose.md"))]

@@ -208,7 +208,8 @@ pub const CODES: &[Code] = &[
         "E041",
         3,
         "inverted element",
-        "The map of an element changes its orientation. The message names the patch, the element, the least Jacobian and where. Or \
+        "The map of an element changes its orientation, or its corners do not follow each other around it. The message names the patch, the \
+         element, the least Jacobian and where. Or \
          a body of revolution has points beyond its axis: assumption = \"axisymmetric\" takes x for the radius. As a \
          warning: cells with an aspect (longest edge over least height) beyond 1e8, whose stiffness loses its digits to rounding.",
         "points = [[0, 0], [1, 0], [1, 1], [0, 1]]    # the last two exchanged: the patch folds over",
@@ -278,7 +279,8 @@ pub const CODES: &[Code] = &[
         3,
         "unstable pair",
         "A warning: the multiplier space is not stable on this side; `faying infsup` shows it. `constant` on a side of degree 1, and spaces \
-         given as data, may be p/p-1 by another name; constants on maximally smooth splines of degree 3, 5, ... are p/p-3, p/p-5, ..., not stable either.",
+         given as data, may be p/p-1 by another name; constants on maximally smooth splines of degree 3, 5, ... are p/p-3, p/p-5, ..., not stable either. \
+         Or `dual` holds constants only: on splines of degree 3 and more its inf-sup constant is small and lambda converges with order 1.",
         "multiplier = \"p/p-1\"",
         "use \"p/p\", or from degree 2 on \"p/p-2\" (the default there).",
     ),
@@ -316,7 +318,7 @@ pub const CODES: &[Code] = &[
          not see those of a multiplier of low degree. Of a patch: on coarse cells of a rational map the Gauss points miss more than 1e-3 of the stress of \
          linear fields; the message says how many extra_points do not. Of a contact: it slides so far along a curved surface that the gap along the \
          normal at rest is wrong by more than a tenth of what is closed; small kinematics do not see the curve. Or fewer than four functions (in space sixteen) carry a zone that \
-         ends inside of its side, or the pieces between surfaces are known to lose a part of elements that face each other. Of an interface: its sides are apart, and the forces on both lose a moment about the gap. Of a penalty: bodies sink by more than a hundredth of their size or a tenth of their displacement. \
+         ends inside of its side, or the pieces between surfaces are known to lose a part of elements that face each other. Of an interface: its sides are apart, and the forces on both lose a moment about the gap. Or they come apart between the functions of a multiplier that is too coarse by more than a tenth of the displacement. Of a penalty: bodies sink by more than a hundredth of their size or a tenth of their displacement. \
          Of Nitsche's method in contact: pressures at points are off the stress of the bodies by more than 0.15 of the largest, by the factor times a small gap. \
          Of a patch: more than a hundredth of it has strains or rotations beyond 0.1, which small kinematics do not allow.",
         "integration = \"mixed\"\nmultiplier = \"p/p-2\"",
@@ -396,6 +398,7 @@ pub fn find(code: &str) -> Option<&'static Code> {
 pub fn of_file(error: &FileError) -> &'static str {
     match error {
         FileError::Dimension { .. } => "E044",
+        FileError::Twisted { .. } => "E041",
         FileError::Missing { .. } => "E042",
         FileError::Memory { .. } => "E081",
         FileError::System { missing: true, .. } => "E003",

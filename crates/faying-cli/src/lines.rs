@@ -2,21 +2,31 @@
 
 use crate::case::Units;
 use crate::plot::{Axis, PlotError, StudyGroup, StudyLine, StudyPanel, StudyPlot, study};
+use crate::quantities::{Quantity, QuantityKind};
 use crate::result::LineReport;
 use crate::table::{csv_field, exact};
-use crate::text_format::coordinates;
+use crate::text_format::{coordinates, short};
 
 /// The values of one line in several runs, each with its label; one without a label stands alone.
 pub(crate) type Runs<'a> = Vec<(String, &'a LineReport)>;
 
-/// The lines of runs by their names, in the order of the first; runs whose points differ from those of the first are left out.
+/// The lines of runs by their names, in the order of the first; runs whose points differ from those of the first are left out. Steps of one
+/// line stand beside each other, each with its time.
 pub(crate) fn by_name<'a>(runs: &[(String, &'a [LineReport])]) -> Vec<Runs<'a>> {
     let Some((_, first)) = runs.iter().find(|(_, lines)| !lines.is_empty()) else { return Vec::new() };
     let same = |a: &LineReport, b: &LineReport| a.name == b.name && a.x == b.x && a.quantities == b.quantities;
     let of = |line: &'a LineReport| {
-        runs.iter().filter_map(|(label, lines)| Some((label.clone(), lines.iter().find(|other| same(line, other))?))).collect()
+        let all = runs.iter().flat_map(|(label, lines)| lines.iter().filter(|other| same(line, other)).map(move |own| (label, own)));
+        let all: Vec<(&String, &LineReport)> = all.collect();
+        let with_step = |(label, own): &(&String, &'a LineReport)| {
+            let t = own.t.map(|t| format!("t = {}", short(t)));
+            let words = [Some((*label).clone()).filter(|label| !label.is_empty()), t].into_iter().flatten();
+            (words.collect::<Vec<_>>().join(", "), *own)
+        };
+        all.iter().map(with_step).collect()
     };
-    first.iter().map(of).collect()
+    let is_new = |k: &usize| first[..*k].iter().all(|before| before.name != first[*k].name);
+    (0..first.len()).filter(is_new).map(|k| of(&first[k])).collect()
 }
 
 /// The text of `line_NAME.csv`: s, x, y, z, and every field of every run; empty where a point is in no body.
@@ -36,6 +46,14 @@ pub(crate) fn csv(runs: &Runs<'_>) -> String {
     text
 }
 
+/// The unit of a field in brackets: " [MPa]"; nothing where it has none or the case names none.
+fn unit(quantity: &str, units: &Units) -> String {
+    match Quantity::parse(quantity).map(|quantity| quantity.kind) {
+        Ok(QuantityKind::Field { field, .. }) => crate::plot::in_unit(&field.unit(units)),
+        _ => String::new(),
+    }
+}
+
 /// `line_NAME.svg`: a panel per field.
 ///
 /// # Errors
@@ -47,7 +65,7 @@ pub(crate) fn svg(title: &str, units: &Units, runs: &Runs<'_>) -> Result<String,
     let panel = |(k, quantity): (usize, &String)| StudyPanel {
         x: x.clone(),
         x_axis: Axis::Linear,
-        y: quantity.clone(),
+        y: quantity.clone() + &unit(quantity, units),
         bare: true,
         points: runs.iter().map(|(_, line)| line.s.iter().copied().zip(line.values[k].iter().copied()).collect()).collect(),
         ..StudyPanel::default()

@@ -113,6 +113,16 @@ pub enum FileError {
         /// Position in the file, if known.
         spot: Option<Spot>,
     },
+    /// The corners of a cell do not follow each other around it: a facet of a group joins corners that lie across the cell (E041).
+    #[error("element {cell} is twisted: the element {facet} of group \"{group}\" joins corners that lie across it")]
+    Twisted {
+        /// The file's number of the cell.
+        cell: u64,
+        /// The file's number of the facet.
+        facet: u64,
+        /// Label of the group of the facet.
+        group: String,
+    },
     /// It holds something of another dimension than requested (E044).
     #[error("{what}{}", at(.spot))]
     Dimension {

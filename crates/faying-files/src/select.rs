@@ -26,7 +26,8 @@ impl MeshFile {
     /// # Errors
     /// [`FileError::Dimension`] without cells of dimension N, with cells of a higher one unless a group is requested, and in the plane for
     /// points off z = 0; [`FileError::Missing`] for an unknown group; [`FileError::Unsupported`] for prisms and pyramids;
-    /// [`FileError::Broken`] if all cells are requested and only part of a group are facets of them.
+    /// [`FileError::Broken`] if all cells are requested and only part of a group are facets of them; [`FileError::Twisted`] for facets that
+    /// join corners of one cell and are none of its own.
     pub fn cells<const N: usize>(&self, group: Option<&str>) -> Result<MeshCells<N>, FileError> {
         let chosen = self.chosen(N, group)?;
         let mut blocks = Vec::new();
@@ -148,6 +149,7 @@ impl MeshFile {
             }
         }
         let mut tags = Vec::new();
+        let across = |corners: &[u32; 8]| if part + 1 == dimension { crossed(chosen, corners) } else { None };
         for label in self.group_labels(part) {
             let (mut list, mut odd) = (Vec::new(), None);
             let own = facets.iter().filter(|b| b.groups.iter().any(|g| self.groups[*g].label() == label));
@@ -155,7 +157,10 @@ impl MeshFile {
                 for (e, c) in corners(block).enumerate() {
                     let k = wanted.binary_search_by_key(&key(&c), |w| w.0).expect("every facet of a group is in the list");
                     match wanted[k].1 {
-                        false => odd = odd.or(Some(block.ids[e])),
+                        false => match across(&c) {
+                            Some(cell) => return Err(FileError::Twisted { cell, facet: block.ids[e], group: label }),
+                            None => odd = odd.or(Some(block.ids[e])),
+                        },
                         true => list.push(std::array::from_fn(|k| if c[k] == NONE { usize::MAX } else { c[k] as usize })),
                     }
                 }
@@ -173,6 +178,12 @@ impl MeshFile {
         }
         Ok(tags)
     }
+}
+
+/// The number of a cell that has all `corners` of a facet; asked for facets that no cell has, it is a cell whose corners are out of order.
+fn crossed(chosen: &[&MeshBlock], facet: &[u32; 8]) -> Option<u64> {
+    let all = |own: &[u32; 8]| facet.iter().filter(|n| **n != NONE).all(|n| own.contains(n));
+    chosen.iter().find_map(|block| corners(block).zip(&block.ids).find(|(own, _)| all(own)).map(|(_, id)| *id))
 }
 
 /// Index of a group by name, else by number.

@@ -30,6 +30,8 @@ pub struct TiePart<const S: usize, const N: usize> {
     pub multipliers: Vec<Box<dyn Basis<S>>>,
     /// (p, k) if the multiplier is the unstable pairing p/p-k under another name.
     pub unstable: Option<(usize, usize)>,
+    /// Whether the multiplier is the dual one of the side.
+    pub is_dual: bool,
     /// The coupling of the sides.
     pub coupling: Arc<dyn Coupling<S, N>>,
     /// The master sides.

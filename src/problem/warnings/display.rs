@@ -57,6 +57,13 @@ impl Display for Warning {
             Self::Facets { of, sag, gap } => {
                 write!(f, "{of}: facets leave the surface that they stand for by {}, of a mean gap of {}", digits(*sag), digits(*gap))
             }
+            Self::DualConstants { of, slave, degree } => {
+                write!(f, "the dual multiplier of {of} holds constants only on {slave} of degree {degree}: errors fall as at degree 2")
+            }
+            Self::MixedMultiplier { of, slave, degree, multiplier } => write!(
+                f,
+                "mixed integration of {of} with a multiplier of degree {multiplier} on {slave} of degree {degree}: errors of u fall with order 2"
+            ),
             Self::HardlyHeld { of, motions, share } => {
                 let motions = motions.join(", ");
                 write!(
@@ -101,6 +108,13 @@ impl Display for Warning {
                 let word = if of.kind == SubjectKind::Contact { "deep in each other" } else { "apart in the mean" };
                 let [apart, size, moved] = [apart, size, moved].map(|x| digits(*x));
                 write!(f, "the penalty of {of} is soft: bodies are {apart} {word}, of a size of {size} and displacements up to {moved}")
+            }
+            Self::CoarseTie { of, apart, moved } => {
+                let [apart, moved] = [apart, moved].map(|x| digits(*x));
+                write!(
+                    f,
+                    "{of} is too coarse: its sides come apart by {apart} between the functions of its multiplier, of displacements up to {moved}"
+                )
             }
             Self::GapPressure { of, pressure, from_gap, gap, x } => {
                 let [pressure, from_gap, gap] = [pressure, from_gap, gap].map(|v| digits(*v));

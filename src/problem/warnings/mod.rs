@@ -9,6 +9,7 @@
 //! | `patch_test` | stresses, in coarse cells of rational maps that their Gauss points do not integrate |
 //! | `part_uncovered` | parts of tied sides that meet no master, as far as facets explain it |
 //! | `facets` | gaps of sides that nearly fit, where facets leave their surface by as much |
+//! | `low_order` | orders of convergence: dual multipliers of splines, mixed integration of low multipliers |
 //! | `hardly_held` | motions that only soft springs hold |
 //! | `flux_jumps` | errors against a piecewise exact solution whose flux jumps: its source is not that of the data |
 //! | `integration` | forces through an interface whose rule does not see the other side's functions |
@@ -19,11 +20,13 @@
 //! | `lost_moment` | moments that ties across a gap lose |
 //! | `lost_parts` | parts of slave elements that no piece of integration covers though they face the opponent and may be pressed |
 //! | `soft_penalty` | places of bodies that a soft penalty lets sink into each other |
+//! | `coarse_tie` | places of bodies whose tie has too coarse a multiplier |
 //! | `gap_pressure` | pressures at points that come from gaps, or from waves of facets, and not from the stress of the bodies |
 //! | `kinematics` | all, where bodies deform too far for small kinematics |
 //!
 //! Loads, springs, prescribed values and moduli that jump inside of elements or have no bound are found by [`Model::inexact_integrals`].
 
+mod coarse_tie;
 mod coarse_zone;
 mod corner_values;
 mod display;
@@ -36,6 +39,7 @@ mod kinematics;
 mod left_open;
 mod lost_moment;
 mod lost_parts;
+mod low_order;
 mod meant;
 mod overlap;
 mod part_uncovered;
@@ -70,6 +74,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(patch_test::patch_test(self));
         found.extend(part_uncovered::parts_uncovered(self));
         found.extend(facets::facets(self, first));
+        found.extend(low_order::low_orders(self));
         found.extend(hardly_held::hardly_held(self, first));
         found.extend(flux_jumps::flux_jumps(self, first));
         found.extend(self.inexact_integrals(times).into_iter().map(Warning::Inexact));
@@ -86,6 +91,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(lost_moment::lost_moments(self, state));
         found.extend(lost_parts::lost_parts(self, state));
         found.extend(soft_penalty::soft_penalties(self, state));
+        found.extend(coarse_tie::coarse_ties(self, state));
         found.extend(gap_pressure::gap_pressures(self, state));
         found.extend(kinematics::kinematics(self, state));
         found

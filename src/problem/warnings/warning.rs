@@ -143,6 +143,27 @@ pub enum Warning {
         /// mean |g| \[length\].
         gap: f64,
     },
+    /// Dual multipliers that hold constants only on a side of degree 3 or more: errors of u fall as at degree 2, those of lambda with order 1.
+    DualConstants {
+        /// The tie or contact.
+        of: Subject,
+        /// Label of the slave side.
+        slave: String,
+        /// The degree of the slave side.
+        degree: usize,
+    },
+    /// Mixed integration of multipliers of degree 0 or 1, below that of the slave side: they jump or kink inside of the master's elements,
+    /// and errors of u fall with order 2.
+    MixedMultiplier {
+        /// The tie or contact.
+        of: Subject,
+        /// Label of the slave side.
+        slave: String,
+        /// The degree of the slave side.
+        degree: usize,
+        /// The degree of the multiplier.
+        multiplier: usize,
+    },
     /// A rigid motion that springs alone hold, with less than 1e-5 of the stiffness of the bodies that move.
     HardlyHeld {
         /// The body that moves most.
@@ -228,8 +249,8 @@ pub enum Warning {
         /// The moment over the force times half the size.
         share: f64,
     },
-    /// A penalty that lets bodies of a contact sink into each other, or sides of a tie come apart in the mean, by more than 1e-2 of the
-    /// smaller body's size, or 0.1 of the largest displacement of these bodies.
+    /// A penalty that lets bodies of a contact sink into each other, or sides of a tie come apart in the mean over every function of the
+    /// multiplier, by more than 1e-2 of the smaller body's size, or 0.1 of the largest displacement of these bodies.
     SoftPenalty {
         /// The tie or contact.
         of: Subject,
@@ -237,6 +258,16 @@ pub enum Warning {
         apart: f64,
         /// Size of the smaller body \[length\].
         size: f64,
+        /// The largest component of the displacement of these bodies \[length\].
+        moved: f64,
+    },
+    /// Sides of a tie that come apart between the functions of its multiplier, where no row holds them, by more than 0.1 of the largest
+    /// displacement of its bodies: the slave's elements are too coarse.
+    CoarseTie {
+        /// The tie.
+        of: Subject,
+        /// Root mean square of the jump that rows do not see \[length\].
+        apart: f64,
         /// The largest component of the displacement of these bodies \[length\].
         moved: f64,
     },
@@ -287,6 +318,8 @@ impl Warning {
             | Self::PatchTest { of, .. }
             | Self::PartUncovered { of, .. }
             | Self::Facets { of, .. }
+            | Self::DualConstants { of, .. }
+            | Self::MixedMultiplier { of, .. }
             | Self::HardlyHeld { of, .. }
             | Self::FluxJump { of, .. }
             | Self::Integration { of, .. }
@@ -297,6 +330,7 @@ impl Warning {
             | Self::LostMoment { of, .. }
             | Self::LostParts { of, .. }
             | Self::SoftPenalty { of, .. }
+            | Self::CoarseTie { of, .. }
             | Self::GapPressure { of, .. }
             | Self::WavyFacets { of, .. }
             | Self::Kinematics { of, .. } => Some(of),

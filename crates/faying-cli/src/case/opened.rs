@@ -185,6 +185,7 @@ impl Reader {
             FileError::Unsupported { .. } => {
                 "read are: G+Smo XML, MFEM meshes, Gmsh 2.2 and 4.1, VTU, Abaqus input files; `faying inspect` shows what a file holds"
             }
+            FileError::Twisted { .. } => "list the corners of the element in their order around it; `faying inspect` names such elements",
             FileError::Broken { .. } => "`faying inspect` shows what a file holds",
             FileError::Dimension { .. } => {
                 "`dimension` of the case and of what the file holds must be the same, and points of a plane case have z = 0; \

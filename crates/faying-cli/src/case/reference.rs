@@ -145,6 +145,12 @@ pub fn explained(found: &KeyPath, names: &Names) -> String {
         Absent::Required(example) | Absent::None(example) | Absent::Is(example)
             if !example.is_empty() && !matches!(key.special(), Some(Special::Blocks(_))) =>
         {
+            // a flag is written where it differs from its default
+            let example = match (&key.kind, &key.absent, example) {
+                (KeyKind::Flag, Absent::Is(_), "false") => "true",
+                (KeyKind::Flag, Absent::Is(_), "true") => "false",
+                _ => example,
+            };
             line("example", &format!("{} = {example}", key.name));
         }
         _ => {}

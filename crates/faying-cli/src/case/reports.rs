@@ -51,8 +51,8 @@ impl Reader {
         if from.value == to.value {
             self.fault("E015", to.at, "the line has no length: `from` and `to` are one point", "write a [[probe]] for a point");
         }
-        let n = self.whole(b, "n");
-        Line { head: b.head(), name, quantities, from, to, n }
+        let (n, t) = (self.whole(b, "n"), self.asked_steps(b));
+        Line { head: b.head(), name, quantities, from, to, n, t }
     }
 
     /// One `[[check]]`.

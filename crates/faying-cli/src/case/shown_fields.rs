@@ -4,7 +4,9 @@ use super::reader::{Block, Reader};
 use super::tree::Value;
 use super::types::{Case, PointNumber, ShownField};
 use crate::errors::nearest;
+use crate::formula::{Formula, Scope};
 use crate::place::Located;
+use crate::quantities::{At, FieldName, Quantity, QuantityKind, Reduce};
 
 /// Numbers of the bodies, by what they are of: components of u, and dimension.
 fn numbers(components: usize, dimension: usize) -> Vec<(String, PointNumber)> {
@@ -16,6 +18,34 @@ fn numbers(components: usize, dimension: usize) -> Vec<(String, PointNumber)> {
     let stresses = stresses.map(|(k, name)| (format!("stress.{name}"), PointNumber::Stress(k)));
     let of_axes = ["x", "y", "z"].into_iter().take(dimension).enumerate().map(|(k, axis)| (format!("u.{axis}"), PointNumber::Unknown(k)));
     own.into_iter().chain(of_axes).chain(stresses).collect()
+}
+
+/// Another field of quantities in elasticity, `principal.1` or `stress.rr about [0, 0]`; the text may say what is wrong with its centre.
+fn derived(word: &str, case: &Case) -> Option<Result<PointNumber, String>> {
+    let QuantityKind::Field { field, about, at: At::Everywhere, patch: None, reduce: Reduce::None } = Quantity::parse(word).ok()?.kind
+    else {
+        return None;
+    };
+    let dimension = case.model.dimension.value;
+    let there = match field {
+        FieldName::Strain(i, j) => i == j || i.max(j) < dimension,
+        other => other.is_polar() || matches!(other, FieldName::Principal(_) | FieldName::Norm),
+    };
+    if !there || case.model.components() == 1 {
+        return None;
+    }
+    let mut centre = [0.0; 2];
+    if !about.is_empty() && about.len() != 2 {
+        return Some(Err(format!("the centre of `{word}` has {} coordinates; write about [x, y]", about.len())));
+    }
+    for (x, text) in centre.iter_mut().zip(&about) {
+        let value = Formula::parse(text, &Scope::number(&case.constants)).ok().and_then(|f| f.as_constant()).filter(|v| v.is_finite());
+        match value {
+            Some(value) => *x = value,
+            None => return Some(Err(format!("the coordinate `{text}` of `{word}` is no number"))),
+        }
+    }
+    Some(Ok(PointNumber::Derived(field, centre)))
 }
 
 impl Reader {
@@ -39,6 +69,7 @@ impl Reader {
         let contacts = case.contacts.iter().map(|c| (&c.name.value, "contact", "pressure"));
         let ties = case.interfaces.iter().map(|t| (&t.name.value, "interface", "lambda"));
         known.extend(contacts.chain(ties).map(|(name, of, what)| (format!("{of}.{name}.{what}"), ShownField::Sides(name.clone()))));
+        let more = if case.model.components() == 1 { "" } else { ", principal.1, strain.xx, stress.rr about [x, y], ..." };
         let list: Vec<&str> = known.iter().map(|(word, _)| word.as_str()).collect();
         let mut found = Vec::new();
         for word in words {
@@ -46,12 +77,23 @@ impl Reader {
                 found.push(field.clone());
                 continue;
             }
+            match derived(&word.value, case) {
+                Some(Ok(number)) => {
+                    found.push(ShownField::Bodies { word: word.value.trim().to_owned(), number });
+                    continue;
+                }
+                Some(Err(text)) => {
+                    self.fault("E018", word.at, text, "coordinates are numbers, or formulas of [let]");
+                    continue;
+                }
+                None => {}
+            }
             let near = nearest(&word.value, list.iter().copied()).map_or(String::new(), |near| format!("did you mean `{near}`? "));
             self.fault(
                 "E018",
                 word.at,
                 format!("there is no field `{}` to show", word.value),
-                format!("{near}fields here: {}", list.join(", ")),
+                format!("{near}fields here: {}{more}", list.join(", ")),
             );
         }
         found

@@ -38,7 +38,8 @@ pub fn html(result: &RunResult, loaded: &Loaded, shown: &[OutputFile], messages:
         section(&mut page, "Loads and reactions", &[summary::loads(result), reactions(result), balance(result)]);
         section(&mut page, "Errors", &[summary::errors(result)]);
     }
-    for line in &result.lines {
+    let is_new = |k: &usize| result.lines[..*k].iter().all(|before| before.name != result.lines[*k].name);
+    for line in (0..result.lines.len()).filter(is_new).map(|k| &result.lines[k]) {
         picture(&mut page, &format!("line_{}.svg", line.name), &format!("Line {}", line.name));
     }
     section(&mut page, "Steps", &[summary::steps(result)]);

@@ -1,7 +1,8 @@
 //! Contents of a file of points and cells.
 
-use super::CellMap;
+use super::group_place::places;
 use super::look::{Soundness, is_flat, look};
+use super::{CellMap, SidePlace};
 use crate::lower::unshared_text;
 use faying::space::{measure, unshared_points};
 use faying_files::{CellShape, Format, MeshBlock, MeshFile};
@@ -35,6 +36,9 @@ pub struct GroupReport {
     /// Their length, area or volume; `None` if none of them has one: points, prisms and pyramids of order 2.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub measure: Option<f64>,
+    /// Mean of the points and direction of the mean outward normal, of groups that are sides of the mesh.
+    #[serde(flatten, skip_serializing_if = "Option::is_none")]
+    pub place: Option<SidePlace>,
 }
 
 /// Length, area or volume of the cells of a block; `None` for points, and prisms and pyramids of order 2.
@@ -114,6 +118,7 @@ fn nodes_of(mesh: &MeshFile, group: usize) -> usize {
 
 /// All groups; `sizes` holds the measure of every block.
 pub fn groups(mesh: &MeshFile, sizes: &[Option<f64>]) -> Vec<GroupReport> {
+    let places = places(mesh);
     let mut all: Vec<GroupReport> = mesh
         .groups
         .iter()
@@ -125,6 +130,7 @@ pub fn groups(mesh: &MeshFile, sizes: &[Option<f64>]) -> Vec<GroupReport> {
             cells: 0,
             nodes: nodes_of(mesh, k),
             measure: None,
+            place: Some(g).filter(|g| g.dimension + 1 == mesh.dimension()).and_then(|g| places.get(&g.label()).cloned()),
         })
         .collect();
     for (block, size) in mesh.blocks.iter().zip(sizes) {

@@ -1,6 +1,7 @@
 //! Contents of a mesh or geometry file: parts, sides, sizes, quality.
 
 mod grid;
+mod group_place;
 mod look;
 mod meshes;
 mod picture;
@@ -214,11 +215,16 @@ impl Inspection {
         for l in &self.labels {
             labels.row([l.name.clone(), l.sides.join(" "), short(l.measure, 12)]);
         }
-        let mut groups = Table::new(["group", "dimension", "number", "cells", "nodes", "measure"]);
+        let mut groups = Table::new(["group", "dimension", "number", "cells", "nodes", "measure", "middle", "outward normal"]);
         for g in &self.groups {
             let name = g.name.clone().unwrap_or_else(|| g.number.to_string());
             let measure = g.measure.map_or("-".to_owned(), |m| short(m, 12));
-            groups.row([name, g.dimension.to_string(), g.number.to_string(), g.cells.to_string(), g.nodes.to_string(), measure]);
+            let flat = self.dimension == 2;
+            let [middle, normal] = g.place.as_ref().map_or([String::new(), String::new()], |place| {
+                [point(&place.middle, flat), place.normal.map_or("all round".to_owned(), |normal| point(&normal, flat))]
+            });
+            let [dimension, cells, nodes] = [g.dimension, g.cells, g.nodes].map(|n| n.to_string());
+            groups.row([name, dimension, g.number.to_string(), cells, nodes, measure, middle, normal]);
         }
         let fields = grid::table(&self.fields);
         for table in [patches, sides, labels, groups, fields].iter().filter(|t| !t.is_empty()) {

@@ -6,6 +6,7 @@ mod contacts;
 mod faults;
 mod findings;
 mod glue;
+mod left_out;
 mod lower_context;
 mod lowered_case;
 mod materials;
@@ -96,6 +97,7 @@ where
     let mut built = LoweredCase { system, glued_sides: couples.glued_sides(case), reference: None, places, warnings: Diagnostics::new() };
     let (found, contents) = (built.system.statement_warnings(), built.system.contents());
     multipliers::check(&mut context, &contents);
+    left_out::tell(&mut context, &contents);
     warned::tell(&mut context, &built.places, found.iter().filter(|w| matches!(w, Warning::CornerValues { .. })));
     contacts::check(&mut context, &problem, &built, &found);
     context.stop()?;

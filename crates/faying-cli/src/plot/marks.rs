@@ -22,8 +22,13 @@ pub(super) fn words(plot: &FieldPlot<'_>) -> String {
     if !list.is_empty() {
         text += &format!("; {}", list.join(", "));
     }
-    if plot.obstacles.iter().any(|obstacle| matches!(obstacle.shape, RigidShape::Outline(_))) {
-        text += "; hatched: rigid";
+    let hatched = plot.obstacles.iter().any(|obstacle| matches!(obstacle.shape, RigidShape::Outline(_)));
+    // obstacles are where they are: they touch bodies that are, too
+    let unscaled = if [0.0, 1.0].contains(&plot.moved) { "" } else { ", not scaled" };
+    if hatched {
+        text += &format!("; hatched: rigid{unscaled}");
+    } else if !plot.obstacles.is_empty() && !unscaled.is_empty() {
+        text += &format!("; rigid faces{unscaled}");
     }
     text
 }

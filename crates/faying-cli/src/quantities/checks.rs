@@ -59,6 +59,7 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         let (of_probes, of_checks) = (Preparer::new(case, &locators, skeleton), Preparer::new(case, &locators, &with_probes));
         let mut faults = Diagnostics::new();
         let asked = case.probes.iter().filter_map(|p| p.t.as_ref()).chain(case.checks.iter().filter_map(|c| c.t.as_ref()));
+        let asked = asked.chain(case.lines.iter().filter_map(|l| l.t.as_ref()));
         faults.items.extend(asked.filter_map(|t| no_step(case, t)));
         let understand = |preparer: &Preparer<'_, S, N>, faults: &mut Diagnostics, text: &Located<String>, both: bool| {
             preparer.prepare(&text.value, text.at, both).unwrap_or_else(|fault| {
@@ -151,9 +152,18 @@ impl<const S: usize, const N: usize> Questions<S, N> {
         all
     }
 
-    /// Evaluates all lines on a solution into `result`.
-    pub fn lines(&self, case: &Case, solution: &Solution<S, N>, result: &mut RunResult) {
-        result.lines = case.lines.iter().zip(&self.lines).map(|(line, prepared)| prepared.values(line, solution)).collect();
+    /// Evaluates the lines that ask for a step on its solution into `result`, beside those of the steps before.
+    pub fn lines(&self, case: &Case, step: &Step, solution: &Solution<S, N>, result: &mut RunResult) {
+        let known = std::mem::take(&mut result.lines);
+        for (line, prepared) in case.lines.iter().zip(&self.lines) {
+            let asked = line.t.as_ref().map(|t| t.value);
+            if asked.is_some() {
+                result.lines.extend(known.iter().filter(|old| old.name == line.name.value).cloned());
+            }
+            if !matches!(asked, Some(AskedSteps::At(t)) if !same(t, step.t)) {
+                result.lines.push(prepared.values(line, asked.map(|_| step.t), solution));
+            }
+        }
     }
 
     /// Evaluates the checks that ask for a step.

@@ -1,5 +1,6 @@
 //! Fields of quantities, and their values from the solution at a point.
 
+use crate::case::Units;
 use faying::linalg::Vector;
 use faying::physics::{principal, von_mises};
 use faying::problem::PointState;
@@ -34,6 +35,15 @@ impl FieldName {
     /// Whether the field has directions about a centre.
     pub fn is_polar(self) -> bool {
         matches!(self, Self::PolarU(_) | Self::PolarStress(..) | Self::PolarStrain(..))
+    }
+
+    /// Its unit: that of a length for displacements, of a force per area for stresses; empty where `units` have no name for it.
+    pub fn unit(self, units: &Units) -> String {
+        match self {
+            Self::U(Some(_)) | Self::Norm | Self::PolarU(_) => units.length.clone(),
+            Self::Stress(..) | Self::PolarStress(..) | Self::Principal(_) | Self::VonMises => units.stress(),
+            Self::U(None) | Self::Flux(_) | Self::Strain(..) | Self::PolarStrain(..) => String::new(),
+        }
     }
 
     /// Whether it takes derivatives of the unknown.

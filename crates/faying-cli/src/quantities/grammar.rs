@@ -239,6 +239,11 @@ impl Quantity {
         if trimmed.is_empty() {
             return wrong("an empty text is no quantity");
         }
+        for (word, rest) in [("at", "[x, y]"), ("in", "PATCH"), ("about", "[x, y]")] {
+            if let Some(head) = trimmed.strip_suffix(word).filter(|head| head.ends_with(' ')) {
+                return wrong(format!("nothing stands after `{word}`; write {} {word} {rest}", head.trim()));
+            }
+        }
         // the inner quantity is parsed when it is prepared
         if let Some(inner) = trimmed.strip_prefix("rate.").filter(|inner| !inner.is_empty()) {
             return Ok(Self { text: text.to_string(), kind: QuantityKind::Rate(inner.to_string()) });
@@ -278,7 +283,7 @@ impl Quantity {
         };
         let mut path = parts(head)?;
         if path.iter().any(|p| p.contains(['[', ']', '(', ')', '+', '*'])) || head.contains(' ') && !head.contains('"') {
-            return wrong(format!("`{head}` is no quantity"));
+            return wrong("names of quantities have no blanks, brackets or signs outside of quotes");
         }
         let kind = Self::kind(&mut path, at, about, patch)?;
         Ok(Self { text: text.to_string(), kind })
@@ -484,6 +489,7 @@ mod tests {
             ("u.x at [0,, 1]", "no point"),
             ("u.y in b at [1, 0]", "write `u.y at [1, 0] in b`"),
             ("u.y in \"b c\" at tip", "write `u.y at tip in \"b c\"`"),
+            ("u.x at", "nothing stands after `at`; write u.x at [x, y]"),
             ("infsup.p/p-2.gamma", "infsup.PAIRING.beta"),
             ("a..b", "no path"),
         ] {

@@ -44,7 +44,7 @@ impl<const S: usize, const N: usize> PreparedLine<S, N> {
     }
 
     /// Its values on a solution.
-    pub fn values(&self, line: &Line, solution: &Solution<S, N>) -> LineReport {
+    pub fn values(&self, line: &Line, t: Option<f64>, solution: &Solution<S, N>) -> LineReport {
         let value = |at: &Option<Prepared<S, N>>| match at.as_ref().map(|at| evaluate(at, solution, &Value::Null)) {
             Some(Answer::One(value)) => value,
             _ => f64::NAN,
@@ -55,6 +55,7 @@ impl<const S: usize, const N: usize> PreparedLine<S, N> {
             s: self.points.iter().map(|x| (x - self.points[0]).norm()).collect(),
             x: self.points.iter().map(|x| x.as_slice().to_vec()).collect(),
             values: self.fields.iter().map(|field| field.iter().map(value).collect()).collect(),
+            t,
         }
     }
 }

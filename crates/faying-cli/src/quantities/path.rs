@@ -90,6 +90,16 @@ pub fn known(value: &Value) -> Vec<String> {
     list
 }
 
+/// The numbers of `value` beside a path that leads to none: the longest part of the path that is the beginning of some, and these.
+pub fn beside(value: &Value, path: &[String]) -> Option<(String, Vec<String>)> {
+    let all = known(value);
+    (1..=path.len()).rev().find_map(|n| {
+        let stem = path[..n].join(".").replacen("reactions.", "reaction.", 1);
+        let own: Vec<String> = all.iter().filter(|k| k.strip_prefix(&*stem).is_some_and(|rest| rest.starts_with('.'))).cloned().collect();
+        (!own.is_empty()).then_some((stem, own))
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

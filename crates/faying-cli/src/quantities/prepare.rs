@@ -3,7 +3,7 @@
 use super::fields::{FieldAbout, FieldName};
 use super::grammar::{At, Quantity, QuantityKind, Reduce};
 use super::locate::{Locators, Spot};
-use super::path::{known, look_up};
+use super::path::{beside, known, look_up};
 use crate::case::{Case, Multiplier};
 use crate::errors::{Diagnostic, nearest};
 use crate::formula::{Formula, Scope};
@@ -15,6 +15,8 @@ use serde_json::Value;
 
 /// Distance from a body, as a fraction of an element, within which a point moves to the nearest point of the body.
 pub(super) const OFF: f64 = 0.25;
+/// Most numbers that a message lists.
+const NAMED: usize = 12;
 /// Notation of a point, in the plane and in space.
 const POINT: [&str; 2] = ["[x, y]", "[x, y, z]"];
 
@@ -278,10 +280,36 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         if let Some(fault) = self.no_couple(text, &path, at) {
             return Err(fault);
         }
+        if let Some(fault) = self.beside(text, &path, at) {
+            return Err(fault);
+        }
         let fields = self.fields().join(", ");
         let fault = self.suggest(*self.fault("E018", format!("unknown quantity `{text}`"), at), text);
         let heads: Vec<&str> = ["energy", "unknowns", "error", "reaction", "area", "length", "interface", "contact", "balance"].to_vec();
         Err(Box::new(fault.with_help(format!("quantities: {fields} `at {}`; {} ...", POINT[N - 2], heads.join(", ")))))
+    }
+
+    /// E018 for a path that leads to no number, with the numbers beside it; `None` where there are none.
+    fn beside(&self, text: &str, path: &[String], at: SourceSpan) -> Option<Box<Diagnostic>> {
+        let (stem, mut list) = beside(self.skeleton, path)?;
+        if let [kind @ ("contact" | "interface"), name, rest @ ..] = &path.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+            let (what, components) = match (*kind, self.contents.components()) {
+                ("contact", _) => ("pressure", 1),
+                (_, n) => ("lambda", n),
+            };
+            if rest.first().is_none_or(|first| *first == what) {
+                let component = if components > 1 { ".x" } else { "" };
+                list.insert(0, format!("{kind}.{name}.{what}{component} at {}", POINT[N - 2]));
+            }
+        }
+        let more = if list.len() > NAMED { ", ..." } else { "" };
+        list.truncate(NAMED);
+        let whole = stem == path.join(".").replacen("reactions.", "reaction.", 1);
+        let fault = match whole {
+            true => *self.fault("E018", format!("`{text}` is more than one number"), at),
+            false => self.suggest(*self.fault("E018", format!("unknown quantity `{text}`"), at), text),
+        };
+        Some(Box::new(fault.with_help(format!("numbers of {stem}: {}{more}", list.join(", ")))))
     }
 
     /// E018 for a contact or interface that the case does not have; `None` for other paths.
@@ -386,7 +414,8 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
 
     /// Adds the known quantity nearest to the text before `at` and `in` as a suggestion.
     fn suggest(&self, fault: Diagnostic, text: &str) -> Diagnostic {
-        let head = [" at ", " at[", " in "].iter().fold(text.trim(), |t, word| t.split(word).next().unwrap_or(t)).trim();
+        let padded = format!("{} ", text.trim());
+        let head = [" at ", " at[", " in ", " about "].iter().fold(&*padded, |t, word| t.split(word).next().unwrap_or(t)).trim();
         let named = |list: &[&str], names: &[&str]| -> Vec<String> {
             names.iter().flat_map(|n| list.iter().map(move |form| form.replace("NAME", n))).collect()
         };
@@ -405,12 +434,16 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         candidates.extend(named(lambda, &ties));
         candidates.extend(named(&["interface.NAME.segments", "interface.NAME.measure"], &ties));
         candidates.extend(named(&["contact.NAME.pressure", "contact.NAME.moment.z"], &contacts));
+        // what is wrong stands behind the name
+        if candidates.iter().any(|known| known == head) {
+            return fault;
+        }
         // a name that is far off, if everything else agrees
         let all_but_one = |c: &&String| {
             let (a, b): (Vec<&str>, Vec<&str>) = (head.split('.').collect(), c.split('.').collect());
             a.len() > 1 && a.len() == b.len() && a[0] == b[0] && a.iter().zip(&b).filter(|(x, y)| x != y).count() == 1
         };
-        let near = nearest(head, candidates.iter().map(String::as_str)).filter(|n| *n != head);
+        let near = nearest(head, candidates.iter().map(String::as_str));
         match near.or_else(|| candidates.iter().find(all_but_one).map(String::as_str)) {
             Some(near) => fault.with_label(format!("did you mean `{near}`?")),
             None => fault,

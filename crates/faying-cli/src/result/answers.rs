@@ -67,4 +67,7 @@ pub struct LineReport {
     pub x: Vec<Vec<f64>>,
     /// Values of every field point by point; not finite, in the file `null`, where the point is in no body.
     pub values: Vec<Vec<f64>>,
+    /// Time of its step, where it asks for one; a line that asks for all has one report per step.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub t: Option<f64>,
 }

@@ -1,7 +1,7 @@
 //! Errors of a run as diagnostics with codes and messages.
 
 use super::room::MemoryLimit;
-use crate::case::Case;
+use crate::case::{Case, Contact};
 use crate::errors::Diagnostic;
 use crate::lower::Places;
 use crate::place::{Located, SourceSpan};
@@ -9,7 +9,7 @@ use crate::result::{Prediction, RunResult, Status};
 use crate::run_control::Stop;
 use crate::text_format::{bytes, place, short};
 use faying::constraint::SolveError;
-use faying::contact::ContactError;
+use faying::contact::{Augmented, ContactError};
 use faying::linalg::LinearError;
 use faying::problem::{StepError, System};
 
@@ -182,8 +182,12 @@ fn unsettled<const S: usize, const N: usize>(
             (Status::NotConverged, "iterations", at(Diagnostic::error("E071", text)).with_help("raise active_set.max_iterations"))
         }
         StepError::Solve(SolveError::Multipliers { .. }) => {
-            let key = case.contacts.iter().find_map(|c| c.given.at("tolerance")).unwrap_or(limit);
-            let help = "raise `factor` or `tolerance` of the contact, or write method = \"lagrange\"";
+            // all contacts iterate to the least tolerance of them
+            let value = |c: &Contact| c.given.written("tolerance").map_or(Augmented::TOLERANCE, |t| t.value);
+            let all = case.contacts.iter().filter_map(|c| Some((c, c.given.at("tolerance")?)));
+            let least = all.min_by(|(a, _), (b, _)| value(a).total_cmp(&value(b)));
+            let (key, whose) = least.map_or((limit, "the contact".to_owned()), |(c, at)| (at, format!("contact \"{}\"", c.name.value)));
+            let help = format!("raise `factor` or `tolerance` of {whose}, or write method = \"lagrange\"");
             (Status::NotConverged, "iterations", Diagnostic::error("E074", error.to_string()).at(&case.source, key).with_help(help))
         }
         StepError::Obstacle { .. } => {

@@ -5,6 +5,7 @@ use crate::case::{Case, Deformed, PointNumber, ShownField};
 use crate::marks::RigidPicture;
 use crate::output::{DisplacementFactor, ExactAlong, FieldRange, Output, Panel, Parts, Picture, RunOptions, SideOutput, SidePart};
 use crate::plot::in_unit;
+use crate::quantities::FieldAbout;
 use crate::table::InterfaceRow;
 use faying::linalg::Vector;
 use faying::physics::von_mises;
@@ -24,7 +25,7 @@ pub fn plane_output(case: &Case, solved: &Arc<Solved<1, 2>>, options: &RunOption
         Some(SideOutput { exact, ..output(SidePart::Curve(part)) })
     };
     let sides = contents.interfaces().flat_map(|of| (0..of.sides().len()).filter_map(|k| side(&of, k)).collect::<Vec<_>>()).collect();
-    assembled(case, solved, Parts::Plane(bodies(solved, options)), super::obstacles::in_plane(solved), sides)
+    assembled(case, solved, Parts::Plane(bodies(case, solved, options)), super::obstacles::in_plane(solved), sides)
 }
 
 /// Collects the output of a case in space for its files.
@@ -36,7 +37,7 @@ pub fn volume_output(case: &Case, solved: &Arc<Solved<2, 3>>, options: &RunOptio
         Some(output(SidePart::Surface(part)))
     };
     let sides = contents.interfaces().flat_map(|of| (0..of.sides().len()).filter_map(|k| side(&of, k)).collect::<Vec<_>>()).collect();
-    assembled(case, solved, Parts::Volume(bodies(solved, options)), super::obstacles::in_space(solved), sides)
+    assembled(case, solved, Parts::Volume(bodies(case, solved, options)), super::obstacles::in_space(solved), sides)
 }
 
 fn assembled<const S: usize, const N: usize>(
@@ -79,6 +80,7 @@ fn panel<const S: usize, const N: usize>(case: &Case, solved: &Arc<Solved<S, N>>
         PointNumber::Unknown(k) if case.model.components() == 1 => ("u", Some(k), word.as_str(), String::new()),
         PointNumber::Unknown(k) => ("displacement", Some(k), word.as_str(), case.units.length.clone()),
         PointNumber::Stress(k) => ("stress", Some(k), word.as_str(), case.units.stress()),
+        PointNumber::Derived(name, _) => (word.as_str(), Some(0), word.as_str(), name.unit(&case.units)),
     };
     let solved = Arc::clone(solved);
     let range = FieldRange(Box::new(move || range(&solved, number)));
@@ -92,13 +94,38 @@ fn value<const N: usize>(number: PointNumber, s: &PointState<N>) -> f64 {
         PointNumber::Displacement => s.u.iter().map(|u| u * u).sum::<f64>().sqrt(),
         PointNumber::Unknown(k) => s.u[k],
         PointNumber::Stress(k) => s.stress[k],
+        PointNumber::Derived(name, [x, y]) => {
+            // directions about a centre are those of x and y in the centre itself
+            let x = if s.x[0] == x && s.x[1] == y { x - 1.0 } else { x };
+            let centre = Vector::<N>::from_fn(|k, _| [x, y, 0.0][k]);
+            FieldAbout { name, about: centre }.value(s)
+        }
     }
+}
+
+/// Fields that the picture shows and no file has by itself, by their words.
+fn derived(case: &Case) -> Vec<(String, PointNumber)> {
+    let of = |field: &ShownField| match field {
+        ShownField::Bodies { word, number: number @ PointNumber::Derived(..) } => Some((word.clone(), *number)),
+        _ => None,
+    };
+    let mut all: Vec<(String, PointNumber)> = Vec::new();
+    for (word, number) in case.fields.iter().filter_map(of) {
+        if all.iter().all(|(known, _)| *known != word) {
+            all.push((word, number));
+        }
+    }
+    all
 }
 
 /// Least and largest value of a number over the closed elements of all bodies.
 fn range<const S: usize, const N: usize>(solved: &Solved<S, N>, number: PointNumber) -> Option<[f64; 2]> {
     let (solution, contents) = (&solved.solution, solved.solution.contents());
-    let derived = !matches!(number, PointNumber::Displacement | PointNumber::Unknown(_));
+    let derived = match number {
+        PointNumber::Displacement | PointNumber::Unknown(_) => false,
+        PointNumber::Derived(name, _) => name.is_derived(),
+        PointNumber::VonMises | PointNumber::Stress(_) => true,
+    };
     let value = |s: &PointState<N>| value(number, s);
     let mut parts = contents.bodies().map(|body| solution.extremes(body.id(), derived, &value).ok().flatten());
     let join = |[a, b]: [f64; 2], [low, high]: [Extreme<N>; 2]| [a.min(low.value), b.max(high.value)];
@@ -132,15 +159,15 @@ fn factor<const S: usize, const N: usize>(solved: &Solved<S, N>, wanted: Deforme
     [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|m| *m <= room).unwrap_or(power)
 }
 
-fn bodies<const S: usize, const N: usize>(solved: &Arc<Solved<S, N>>, options: &RunOptions) -> Vec<Part<'static, N, N>> {
-    solved.solution.contents().bodies().map(|of| body(solved, of.id(), of.name(), of.space(), options)).collect()
+fn bodies<const S: usize, const N: usize>(case: &Case, solved: &Arc<Solved<S, N>>, options: &RunOptions) -> Vec<Part<'static, N, N>> {
+    let more = derived(case);
+    solved.solution.contents().bodies().map(|of| body(solved, (of.id(), of.name(), of.space()), &more, options)).collect()
 }
 
 fn body<const S: usize, const N: usize>(
     solved: &Arc<Solved<S, N>>,
-    body: BodyId,
-    name: &str,
-    space: &Arc<dyn Space<N, N>>,
+    (body, name, space): (BodyId, &str, &Arc<dyn Space<N, N>>),
+    more: &[(String, PointNumber)],
     options: &RunOptions,
 ) -> Part<'static, N, N> {
     let at = || {
@@ -156,13 +183,20 @@ fn body<const S: usize, const N: usize>(
     if solved.solution.contents().components() == 1 {
         return part.with_exact("u", 1, move |e, xi| values(e, xi).iter().map(|p| p.u[0]).collect());
     }
-    part.with_exact("displacement", N, move |e, xi| values(e, xi).iter().flat_map(|p| p.u.into_iter().take(N)).collect())
+    part = part
+        .with_exact("displacement", N, move |e, xi| values(e, xi).iter().flat_map(|p| p.u.into_iter().take(N)).collect())
         .with("stress", 6, move |e, xi| stresses(e, xi).iter().flat_map(|p| p.stress).collect())
-        .with("von_mises", 1, move |e, xi| equivalent(e, xi).iter().map(|p| von_mises(&p.stress)).collect())
-        .with_together(move |e, xi| {
-            let numbers = |p: PointState<N>| p.u.into_iter().take(N).chain(p.stress).chain([von_mises(&p.stress)]);
-            all(e, xi).into_iter().flat_map(numbers).collect()
-        })
+        .with("von_mises", 1, move |e, xi| equivalent(e, xi).iter().map(|p| von_mises(&p.stress)).collect());
+    for (word, number) in more {
+        let (states, number) = (at(), *number);
+        part = part.with(word, 1, move |e, xi| states(e, xi).iter().map(|p| value(number, p)).collect());
+    }
+    let more: Vec<PointNumber> = more.iter().map(|(_, number)| *number).collect();
+    part.with_together(move |e, xi| {
+        let own = |p: &PointState<N>| more.iter().map(|number| value(*number, p)).collect::<Vec<_>>();
+        let numbers = |p: PointState<N>| p.u.into_iter().take(N).chain(p.stress).chain([von_mises(&p.stress)]).chain(own(&p));
+        all(e, xi).into_iter().flat_map(numbers).collect()
+    })
 }
 
 /// Style of cells of a side: linear or quadratic if the bodies have such cells, else Lagrange cells.

@@ -471,10 +471,10 @@ impl<const S: usize, const N: usize> Measures<'_, S, N> {
             solve.reason = reason.into();
         }
         result.diagnostics.extend(fault.map(when));
-        if let Some(solution) = solution {
-            self.questions.lines(case, solution, result);
-        }
         let step = Step { t, is_last: k + 1 == times.len() };
+        if let Some(solution) = solution {
+            self.questions.lines(case, &step, solution, result);
+        }
         let probes = self.questions.probes(case, &step, solution, result, &mut self.answers);
         self.questions.checks(case, &step, solution, result, &mut self.answers);
         if step.is_last && !self.questions.close(case, result, &mut self.answers) && status == Status::Ok {

@@ -179,6 +179,7 @@ fn line(v: &Value) -> Option<LineReport> {
         s: numbers(&v["s"])?,
         x: lists(&v["x"])?,
         values: lists(&v["values"])?,
+        t: v["t"].as_f64(),
     })
 }
 

@@ -274,3 +274,85 @@ fn what_only_sides_take_is_refused_at_its_place() {
         );
     }
 }
+
+/// A square of 2 x 2 quadrilaterals, elements 5 to 8, with its right edge as a group of two lines, 3 and 4; the last two corners of those in
+/// `twisted` are exchanged.
+fn square(twisted: &[usize]) -> String {
+    let mut text = String::from("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1 \"bottom\"\n1 2 \"right\"\n2 5 \"body\"\n");
+    text += "$EndPhysicalNames\n$Nodes\n9\n";
+    for k in 0..9 {
+        writeln!(text, "{} {} {} 0", k + 1, (k % 3) as f64 / 2.0, (k / 3) as f64 / 2.0).unwrap();
+    }
+    text += "$EndNodes\n$Elements\n8\n1 1 2 1 1 1 2\n2 1 2 1 1 2 3\n3 1 2 2 2 3 6\n4 1 2 2 2 6 9\n";
+    for (k, at) in [1, 2, 4, 5].into_iter().enumerate() {
+        let [c, d] = if twisted.contains(&(5 + k)) { [at + 3, at + 4] } else { [at + 4, at + 3] };
+        writeln!(text, "{} 3 2 5 5 {at} {} {c} {d}", 5 + k, at + 1).unwrap();
+    }
+    text + "$EndElements\n"
+}
+
+/// A quadrilateral whose corners do not follow each other has lost two of its edges: the mistake is its own, not that of the names there.
+#[test]
+fn twisted_quadrilaterals_are_named_by_their_number() {
+    let folder = tempfile::tempdir().unwrap();
+    let check = |twisted: &[usize], side: &str| {
+        std::fs::write(folder.path().join("grid.msh"), square(twisted)).unwrap();
+        let text = model(2, "")
+            + "[[patch]]\nname = \"b\"\ngeometry = { kind = \"file\", file = \"grid.msh\" }\n"
+            + &format!("[[boundary]]\non = \"{side}\"\nfix = [\"x\", \"y\"]\n");
+        read(&folder, &text).and_then(|case| case.run(&Registry::default()))
+    };
+    for side in ["b.right", "b.bottom", "all-outer"] {
+        assert!(check(&[], side).is_ok());
+        // one of the two elements at the named edge, and both
+        for twisted in [&[8][..], &[6], &[6, 8], &[5, 6, 7, 8]] {
+            let error = check(twisted, side).unwrap_err();
+            let first = &error.items[0];
+            assert_eq!(first.code, "E041", "{twisted:?} {side}: {error}");
+            assert!(twisted.iter().any(|k| first.message.contains(&format!("element {k} "))), "{twisted:?} {side}: {error}");
+            assert!(first.help.as_ref().is_some_and(|help| help.contains("order")), "{error}");
+        }
+    }
+}
+
+/// Chords of quarter rings [1, 2] and [2, 3] as meshes of order 1: what they leave of the circle is told with what helps meshes that are read.
+#[test]
+fn facets_of_meshes_in_contact_are_told_with_what_helps_files() {
+    let ring = |inner: f64, n: usize| {
+        let mut text = String::from(
+            "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n5\n1 1 \"inner\"\n1 2 \"outer\"\n1 3 \"foot\"\n1 4 \"head\"\n2 5 \"ring\"\n",
+        );
+        text += &format!("$EndPhysicalNames\n$Nodes\n{}\n", 2 * (n + 1));
+        for (k, i) in (0..=n).flat_map(|i| [i, i]).enumerate() {
+            let (r, a) = (inner + (k % 2) as f64, std::f64::consts::FRAC_PI_2 * i as f64 / n as f64);
+            writeln!(text, "{} {} {} 0", k + 1, r * a.cos(), r * a.sin()).unwrap();
+        }
+        text += &format!("$EndNodes\n$Elements\n{}\n1 1 2 3 3 1 2\n2 1 2 4 4 {} {}\n", 3 * n + 2, 2 * n + 1, 2 * n + 2);
+        for i in 0..n {
+            let [a, b, c, d] = [1, 2, 4, 3].map(|k| 2 * i + k);
+            writeln!(text, "{} 1 2 1 1 {a} {d}\n{} 1 2 2 2 {b} {c}\n{} 3 2 5 5 {a} {b} {c} {d}", 3 * i + 3, 3 * i + 4, 3 * i + 5).unwrap();
+        }
+        text + "$EndElements\n"
+    };
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("in.msh"), ring(1.0, 7)).unwrap();
+    std::fs::write(folder.path().join("out.msh"), ring(2.0, 10)).unwrap();
+    let patch = |name: &str, file: &str| format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"file\", file = \"{file}\" }}\n");
+    let text = |adjust: bool| {
+        model(2, "[discretization]\ndegree = 1\nbackend = \"fe\"\n")
+            + &patch("a", "in.msh")
+            + &patch("b", "out.msh")
+            + "[[boundary]]\non = [\"a.foot\", \"b.foot\"]\nfix = [\"y\"]\n[[boundary]]\non = [\"a.head\", \"b.head\"]\nfix = [\"x\"]\n"
+            + "[[boundary]]\non = \"b.outer\"\npressure = 0.01\n"
+            + &format!("[[contact]]\nname = \"c\"\nslave = \"b.inner\"\nmaster = \"a.outer\"\nadjust = {adjust}\n")
+    };
+    let told = |result: &RunResult| result.warnings.iter().find(|w| w.code == "E065" && w.message.contains("facets decide")).cloned();
+    let warning = told(&run(&folder, &text(false))).expect("a warning of facets");
+    // chords of both circles of radius 2: 2 (1 - cos(a/2)) each, a the angle of an element
+    let sag: f64 = [7.0, 10.0].iter().map(|n| 2.0 * (1.0 - (std::f64::consts::FRAC_PI_4 / n).cos())).sum();
+    let number: f64 = warning.message.split("up to ").nth(1).unwrap().split(',').next().unwrap().parse().unwrap();
+    assert!((number / sag - 1.0).abs() < 0.05, "{number} {sag}");
+    let help = warning.help.unwrap();
+    assert!(help.contains("order 2") && help.contains("adjust = true") && !help.contains("mapping"), "{help}");
+    assert!(told(&run(&folder, &text(true))).is_none());
+}

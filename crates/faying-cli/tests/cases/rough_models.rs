@@ -150,6 +150,40 @@ fn penalties_that_take_most_of_a_small_displacement_are_told() {
     }
 }
 
+/// A plate that bends between the two or three functions of its support: no penalty is soft there, the multiplier is too coarse.
+#[test]
+fn sides_that_come_apart_between_the_functions_of_a_multiplier_are_not_blamed_on_the_penalty() {
+    for (size, young) in [(1.0, 1.0), (1e-3, 210e9)] {
+        let bent = |n: usize, method: &str| {
+            let text = elastic(young)
+                + "[discretization]\ndegree = 2\n"
+                + &block("a", [0.0, 0.0], [size, 0.5 * size], [n, 1], "")
+                + &block("b", [0.0, 0.5 * size], [size, 0.7 * size], [8, 2], "")
+                + &on("\"a.bottom\"", "fix = [\"x\", \"y\"]")
+                + &on("\"b.top\"", &format!("traction = [\"0\", \"{:e}*sin(4*pi*x/{size:e})\"]", 0.001 * young))
+                + &format!("[[interface]]\nname = \"c\"\nslave = \"a.top\"\nmaster = \"b.bottom\"\n{method}\n");
+            run(&text)
+        };
+        for n in [2, 3] {
+            // the same jump with exact rows and with any stiff penalty, so it is not the penalty's
+            let [mortar, stiff, stiffer] =
+                ["", "coupling = \"penalty\"", "coupling = \"penalty\"\nfactor = 1e12"].map(|method| bent(n, method));
+            let jump = |r: &RunResult| r.interface.get("c").unwrap().jump.l2 / size.sqrt();
+            for result in [&mortar, &stiff, &stiffer] {
+                assert!((jump(result) / jump(&mortar) - 1.0).abs() < 1e-6);
+                assert!(told(result, &["penalty"]).is_none(), "{:?}", result.warnings);
+                let warning = told(result, &["interface \"c\" is too coarse"]).unwrap_or_else(|| panic!("{n}: {:?}", result.warnings));
+                let number: f64 = warning.message.split("come apart by ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
+                assert!((number / jump(result) - 1.0).abs() < 1e-3, "{warning:?}");
+            }
+        }
+        // four elements hold it, and a soft penalty is told by the means that it leaves
+        assert!(told(&bent(4, ""), &["too coarse"]).is_none());
+        let soft = bent(4, "coupling = \"penalty\"\nfactor = 1e-2");
+        assert!(told(&soft, &["penalty of interface \"c\""]).is_some(), "{:?}", soft.warnings);
+    }
+}
+
 /// Rings pressed into one another by Nitsche's method: curved elements that leave their circle by 1e-5 of the radius have pressures at points
 /// that are several times too large, while the force is right.
 #[test]

@@ -91,3 +91,54 @@ fn a_line_outside_of_all_bodies_and_what_is_no_field_are_errors() {
         std::fs::remove_dir_all(&folder).unwrap();
     }
 }
+
+/// A bar of modulus 1000 that the traction t stretches: stress.xx = t, u.x = t x / 1000.
+const BAR: &str = "units = { length = \"mm\", force = \"N\" }\n[model]\nphysics = \"elasticity\"\ndimension = 2\nassumption = \"plane-stress\"\n\
+    [[material]]\nname = \"m\"\nyoung = 1000\npoisson = 0\n[[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [1, 1] }\nelements = [2, 2]\n\
+    [[boundary]]\non = \"a.left\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"a.right\"\ntraction = { x = \"t\" }\n[steps]\nt = [0.25, 0.5, 1.0]\n";
+
+fn along(name: &str, t: &str) -> String {
+    format!("[[line]]\nname = \"{name}\"\nquantity = [\"u.x\", \"stress.xx\", \"strain.xx\"]\nfrom = [0, 0.5]\nto = [1, 0.5]\nn = 3\n{t}")
+}
+
+#[test]
+fn lines_of_a_step_and_of_all_steps_have_its_values_and_units() {
+    let text = BAR.to_owned() + &along("last", "") + &along("half", "t = 0.5\n") + &along("all", "t = \"all\"\n");
+    let folder = folder("steps", &text);
+    let done = faying(&folder, &["run", "case.toml"]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let read = |name: &str| std::fs::read_to_string(folder.join("case.out").join(name)).unwrap();
+    for (name, times) in [("last", &[1.0][..]), ("half", &[0.5]), ("all", &[0.25, 0.5, 1.0])] {
+        let (head, rows) = table(&read(&format!("line_{name}.csv")));
+        let label = |t: f64| if name == "last" { String::new() } else { format!("t = {t}: ") };
+        let columns = times.iter().flat_map(|t| ["u.x", "stress.xx", "strain.xx"].map(|q| label(*t) + q));
+        let expected: Vec<String> = ["s", "x", "y"].map(str::to_owned).into_iter().chain(columns).collect();
+        assert_eq!(head, expected, "{name}");
+        for (k, t) in times.iter().enumerate() {
+            for row in &rows {
+                let values = [1e-3 * t * row[1], *t, 1e-3 * t];
+                assert!((0..3).all(|c| (row[3 + 3 * k + c] - values[c]).abs() < 1e-12), "{name}: {row:?}");
+            }
+        }
+        let svg = read(&format!("line_{name}.svg"));
+        assert!(svg.contains("u.x [mm]") && svg.contains("stress.xx [N/mm²]"), "{svg}");
+        assert!(svg.contains("distance from (0, 0.5) [mm]") && !svg.contains("strain.xx ["), "{svg}");
+    }
+    // one report per step, each with its time; the page shows a line once
+    let result: serde_json::Value = serde_json::from_str(&read("result.json")).unwrap();
+    let all: Vec<(&str, Option<f64>)> =
+        result["lines"].as_array().unwrap().iter().map(|l| (l["name"].as_str().unwrap(), l["t"].as_f64())).collect();
+    assert_eq!(all, [("last", None), ("half", Some(0.5)), ("all", Some(0.25)), ("all", Some(0.5)), ("all", Some(1.0))]);
+    assert_eq!(read("report.html").matches("Line all").count(), 1);
+    // a study has the steps of its rows beside each other
+    let done = faying(&folder, &["compare", "case.toml", "--backends", "iga,fe", "--out", "both"]);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let (head, _) = table(&std::fs::read_to_string(folder.join("both/line_all.csv")).unwrap());
+    assert_eq!(head.len(), 3 + 2 * 3 * 3, "{head:?}");
+    assert!(head.iter().any(|h| h.contains("fe") && h.ends_with("t = 0.5: u.x")), "{head:?}");
+    // a time that is no step
+    std::fs::write(folder.join("case.toml"), BAR.to_owned() + &along("never", "t = 0.3\n")).unwrap();
+    let done = faying(&folder, &["check", "case.toml"]);
+    assert!(String::from_utf8_lossy(&done.stderr).contains("error[E015]: there is no step at t = 0.3"), "{done:?}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}

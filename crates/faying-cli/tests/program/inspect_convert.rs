@@ -120,6 +120,52 @@ fn meshes_are_counted_and_measured_by_groups() {
 }
 
 #[test]
+fn groups_that_are_sides_are_told_with_their_middle_and_outward_normal() {
+    // a cube with its lid, a lid with half of the wall beside it, and the wall around it
+    let faces = [(1, "5 6 7 8"), (2, "5 6 7 8"), (2, "1 2 6 5"), (3, "1 2 6 5"), (3, "2 3 7 6"), (3, "3 4 8 7"), (3, "4 1 5 8")];
+    let faces: Vec<String> =
+        faces.iter().enumerate().map(|(k, (group, nodes))| format!("{} 3 2 {group} {group} {nodes}\n", k + 1)).collect();
+    let cube = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 \"lid\"\n2 2 \"edge\"\n2 3 \"wall\"\n3 4 \"cube\"\n$EndPhysicalNames\n\
+        $Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n$EndNodes\n$Elements\n8\n"
+        .to_owned()
+        + &faces.concat()
+        + "8 5 2 4 4 1 2 3 4 5 6 7 8\n$EndElements\n";
+    let at = folder(&[("mixed.msh", MIXED), ("cube.msh", &cube)]);
+    let half = 0.5f64.sqrt();
+    for (file, name, middle, normal) in [
+        ("mixed.msh", "left end", [0.0, 0.5, 0.0], Some([-1.0, 0.0, 0.0])),
+        ("cube.msh", "lid", [0.5, 0.5, 1.0], Some([0.0, 0.0, 1.0])),
+        ("cube.msh", "edge", [0.5, 0.25, 0.75], Some([0.0, -half, half])),
+        ("cube.msh", "wall", [0.5, 0.5, 0.5], None),
+        ("cube.msh", "cube", [f64::NAN; 3], None),
+    ] {
+        let (code, found) = json(at.path(), &["inspect", file]);
+        assert_eq!(code, 0, "{found}");
+        let group = found["groups"].as_array().unwrap().iter().find(|g| g["name"] == name).unwrap();
+        let same = |value: &Value, point: [f64; 3]| (0..3).for_each(|k| close(&value[k], point[k], name));
+        if middle[0].is_nan() {
+            assert!(group["middle"].is_null(), "{group}");
+        } else {
+            same(&group["middle"], middle);
+        }
+        match normal {
+            Some(normal) => same(&group["normal"], normal),
+            None => assert!(group["normal"].is_null(), "{group}"),
+        }
+    }
+    let text = |file: &str| String::from_utf8(faying(at.path(), &["inspect", file]).stdout).unwrap();
+    let row = |file: &str, name: &str| {
+        text(file).lines().find(|line| line.starts_with(name)).unwrap().split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    assert!(row("mixed.msh", "left end").ends_with("(0, 0.5) (-1, 0)"), "{}", text("mixed.msh"));
+    assert!(
+        row("cube.msh", "lid").ends_with("(0.5, 0.5, 1) (0, 0, 1)") && row("cube.msh", "wall").ends_with("(0.5, 0.5, 0.5) all round"),
+        "{}",
+        text("cube.msh")
+    );
+}
+
+#[test]
 fn inverted_elements_are_reported_with_their_place_and_not_refused() {
     // the quadrilateral crosses itself
     let folded = MIXED.replace("4 3 2 2 2 2 5 6 3", "4 3 2 2 2 2 6 5 3");

@@ -230,3 +230,65 @@ fn a_study_with_a_row_that_failed_says_that_the_others_are_valid() {
     let said = String::from_utf8(out.stderr).unwrap();
     assert!(out.status.success() && !said.contains("E091") && !at.path().join("pair.convergence/study.svg").exists(), "{said}");
 }
+
+#[test]
+fn quantities_that_are_several_numbers_or_lack_a_part_list_what_there_is() {
+    let at = folder();
+    let probe = |quantity: &str| format!("probe=[{{name=\"p\",quantity=\"{quantity}\"}}]");
+    for (quantity, parts) in [
+        (
+            "contact.pad.pressure",
+            &[
+                "`contact.pad.pressure` is more than one number",
+                "contact.pad.pressure at [x, y], contact.pad.pressure.min, contact.pad.pressure.max",
+            ][..],
+        ),
+        ("contact.pad.force", &["is more than one number", "numbers of contact.pad.force: contact.pad.force.x, contact.pad.force.y "]),
+        ("contact.pad.gap", &["is more than one number", "contact.pad.gap.min"]),
+        ("contact.pad.force.z", &["unknown quantity", "numbers of contact.pad.force: contact.pad.force.x, contact.pad.force.y "]),
+        ("contact.pad.presure.max", &["did you mean `contact.pad.pressure.max`?"]),
+        ("reaction.lower.bottom", &["is more than one number", "reaction.lower.bottom.x, reaction.lower.bottom.y"]),
+        (
+            "reaction.lower.bottom.q",
+            &["unknown quantity", "numbers of reaction.lower.bottom: reaction.lower.bottom.x, reaction.lower.bottom.y "],
+        ),
+        ("reaction.lower.y", &["unknown quantity", "numbers of reaction.lower: reaction.lower.bottom.x, reaction.lower.bottom.y "]),
+        ("balance.force", &["balance.force.x, balance.force.y"]),
+        ("u.x at", &["nothing stands after `at`; write u.x at [x, y]"]),
+        ("von_mises.max in", &["nothing stands after `in`; write von_mises.max in PATCH"]),
+        ("u.x + u.y", &["no blanks, brackets or signs"]),
+    ] {
+        says(at.path(), &[&probe(quantity)], parts);
+        // one sentence, and no advice to write what is there already
+        let said = said(at.path(), &[&probe(quantity)]);
+        assert!(said.matches("is no quantity").count() <= 1 && !said.contains("did you mean `u."), "{said}");
+    }
+}
+
+#[test]
+fn the_tolerance_that_is_wanted_is_the_one_that_is_named() {
+    let at = folder();
+    let second = "[[boundary]]\nname = \"held\"\non = \"upper.left\"\nfix = [\"x\"]\n[[contact]]\nname = \"plate\"\nslave = \"upper.right\"\n\
+        rigid = { kind = \"half-plane\", point = [1, 0], normal = [-1, 0] }\nmethod = \"augmented\"\nfactor = 1e-2\ntolerance = 1e-9\n";
+    std::fs::write(
+        at.path().join("pair.toml"),
+        PAIR.replace("x = 0, y", "y") + "method = \"augmented\"\nfactor = 1e-2\ntolerance = 1e-2\n" + second,
+    )
+    .unwrap();
+    let out = faying(at.path(), &["run", "pair.toml"]);
+    let said = String::from_utf8(out.stderr).unwrap();
+    assert_eq!(out.status.code(), Some(5), "{said}");
+    let line = 1 + std::fs::read_to_string(at.path().join("pair.toml")).unwrap().lines().position(|l| l == "tolerance = 1e-9").unwrap();
+    for part in ["error[E074]", "wanted 1.0e-9", "`tolerance` of contact \"plate\"", &format!("pair.toml:{line}:")] {
+        assert!(said.contains(part), "`{part}` is not in\n{said}");
+    }
+}
+
+#[test]
+fn flags_are_explained_by_the_value_that_is_not_their_default() {
+    let at = folder();
+    for (key, example) in [("contact.adjust", "adjust = true"), ("contact.symmetry", "symmetry = true"), ("patch.glue", "glue = false")] {
+        let told = String::from_utf8(faying(at.path(), &["explain", key]).stdout).unwrap();
+        assert!(told.contains(&format!("example  {example}")), "{told}");
+    }
+}

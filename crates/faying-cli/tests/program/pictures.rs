@@ -142,6 +142,15 @@ fn obstacles_are_drawn_where_they_have_moved_to() {
         assert_eq!((line[0][0], step), (62 * 8 + 36 + 72 * k as i64, [-45, 45]));
     }
     assert!(words(&svg).contains(&"floor") && words(&svg).iter().any(|word| word.ends_with("; hatched: rigid")), "{:?}", words(&svg));
+    // bodies that are drawn further than they move do not touch it where they do
+    std::fs::write(at.path().join("a.toml"), STRETCHED.to_owned() + floor).unwrap();
+    for (factor, words_of_floor) in
+        [("20", "; displacements 20 times; triangles: supports, arrows: loads; hatched: rigid, not scaled"), ("1", "; hatched: rigid")]
+    {
+        faying(at.path(), &["run", "a.toml", "--force", "--set", &format!("output.deformed={factor}")]);
+        let svg = std::fs::read_to_string(at.path().join("a.out/fields.svg")).unwrap();
+        assert!(words(&svg).iter().any(|word| word.ends_with(words_of_floor)), "{:?}", words(&svg));
+    }
 }
 
 /// Polylines of a colour, each point in pixels.
@@ -308,4 +317,49 @@ fn fields_that_are_asked_for_are_shown_one_below_the_other() {
     assert!(told.contains("error[E018]: there is no field `stress.xz` to show") && told.contains(&format!("a.toml:{line}:24")), "{told}");
     let list = "fields here: von_mises, displacement, u.x, u.y, stress.xx, stress.yy, stress.zz, stress.xy, contact.floor.pressure";
     assert!(told.contains(list), "{told}");
+}
+
+/// A ring of radii 1 and 2 under the pressure 1 from inside: Lame's stresses A - B/r^2 and A + B/r^2 with A = 1/3, B = 4/3.
+#[test]
+fn fields_about_a_centre_and_principal_stresses_are_shown() {
+    let ring = "units = { length = \"mm\", force = \"N\" }\n[let]\nc = 3\n[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\ndegree = 3\n[[material]]\nname = \"m\"\nyoung = 1000\npoisson = 0.3\n\
+        [[patch]]\nname = \"ring\"\ngeometry = { kind = \"annulus-sector\", center = [3, 0], radius = [1, 2], angle_deg = [0, 90] }\nelements = [4, 4]\n\
+        [[boundary]]\non = \"ring.u0\"\nfix = [\"y\"]\n[[boundary]]\non = \"ring.u1\"\nfix = [\"x\"]\n[[boundary]]\non = \"ring.v0\"\npressure = 1\n[output]\n";
+    let at = tempfile::tempdir().unwrap();
+    let write = |fields: &str| std::fs::write(at.path().join("ring.toml"), format!("{ring}fields = {fields}\n")).unwrap();
+    write("[\"stress.tt about [c, 0]\", \"stress.rr about [3, 0]\", \"principal.1\", \"u.r about [3, 0]\"]");
+    faying(at.path(), &["run", "ring.toml"]);
+    let svg = std::fs::read_to_string(at.path().join("ring.out/fields.svg")).unwrap();
+    let shown = words(&svg);
+    // "stress.tt about [c, 0] [N/mm2]: from 0.6667 to 1.667; ..."
+    let range = |label: &str| -> [f64; 2] {
+        let word = shown.iter().find(|word| word.starts_with(&format!("{label}: from "))).unwrap_or_else(|| panic!("{label}: {shown:?}"));
+        let numbers = word.split("from ").nth(1).unwrap().split(';').next().unwrap();
+        let (least, most) = numbers.split_once(" to ").unwrap();
+        [least, most].map(|n| n.parse().unwrap())
+    };
+    let near = |found: [f64; 2], exact: [f64; 2]| found.iter().zip(exact).all(|(a, b)| (a - b).abs() < 0.01);
+    let hoop = [2.0 / 3.0, 5.0 / 3.0];
+    assert!(near(range("stress.tt about [c, 0] [N/mm²]"), hoop), "{shown:?}");
+    assert!(near(range("principal.1 [N/mm²]"), hoop), "{shown:?}");
+    assert!(near(range("stress.rr about [3, 0] [N/mm²]"), [-1.0, 0.0]), "{shown:?}");
+    // u_r = (1 + nu)/E ((1 - 2 nu) A r + B/r) from 1.907e-3 at r = 1 to 1.213e-3 at r = 2
+    let u = |r: f64| 1.3e-3 * (0.4 / 3.0 * r + 4.0 / 3.0 / r);
+    let found = range("u.r about [3, 0] [mm]");
+    assert!((found[0] / u(2.0) - 1.0).abs() < 1e-3 && (found[1] / u(1.0) - 1.0).abs() < 1e-3, "{found:?}");
+    // the file has them under the same names
+    let vtu = std::fs::read(at.path().join("ring.out/fields.vtu")).unwrap();
+    assert!(String::from_utf8_lossy(&vtu).contains("principal.1"));
+    for (fields, part) in [
+        ("\"stress.tt about [0]\"", "the centre of `stress.tt about [0]` has 1 coordinates"),
+        ("\"u.r about [q, 0]\"", "the coordinate `q` of `u.r about [q, 0]` is no number"),
+        ("\"principal.4\"", "there is no field `principal.4` to show"),
+        ("\"strain.xz\"", "there is no field `strain.xz` to show"),
+        ("\"principal.1 in ring\"", "there is no field `principal.1 in ring` to show"),
+    ] {
+        write(fields);
+        let out = Command::new(env!("CARGO_BIN_EXE_faying")).current_dir(at.path()).args(["check", "ring.toml"]).output().unwrap();
+        let told = String::from_utf8_lossy(&out.stderr);
+        assert!(told.contains("error[E018]") && told.contains(part), "{part}: {told}");
+    }
 }

@@ -51,6 +51,7 @@ pub(in crate::case) const LINE: &[Key] = &[
     Key::new("from", KeyKind::Vector, "the point at which it begins").unit("length").required("[0, 0]"),
     Key::new("to", KeyKind::Vector, "the point at which it ends").unit("length").required("[0, 1]"),
     Key::new("n", KeyKind::Whole(2, 100_000), "number of points, both ends included").default("101"),
+    Key::of("t", ASKED_STEPS, "its step, by default the last; all: every step, beside each other").optional("0.5"),
 ];
 
 const fn quantity() -> Key {

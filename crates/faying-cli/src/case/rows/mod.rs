@@ -55,8 +55,8 @@ pub(super) const OUTPUT: &[Key] = &[
     Key::of(
         "fields",
         Special::Words,
-        "what fields.svg shows, one below the other: von_mises, displacement, u.x, stress.yy, u, contact.NAME.pressure, interface.NAME.lambda; \
-         without it von_mises, or u",
+        "what fields.svg shows, one below the other: von_mises, displacement, u.x, stress.yy, u, any field of quantities such as principal.1, \
+         strain.xx or stress.rr about [x, y], which fields.vtu has then, too, contact.NAME.pressure, interface.NAME.lambda; without it von_mises, or u",
     )
     .optional("[\"von_mises\", \"stress.yy\"]"),
     Key::of(

@@ -41,6 +41,8 @@ pub struct Line {
     pub to: Located<Vec<f64>>,
     /// Number of points.
     pub n: Located<usize>,
+    /// Steps; `None`: the last one.
+    pub t: Option<Located<AskedSteps>>,
 }
 
 /// Condition of a check; the numbers may be formulas of constants and quantities.

@@ -26,6 +26,7 @@ use crate::case::files::FileRead;
 use crate::errors::{CaseText, Diagnostics};
 use crate::formula::Constants;
 use crate::place::{Located, SourceSpan};
+use crate::quantities::FieldName;
 
 /// The head of a block, for errors that concern it as a whole.
 pub type Head = Located<()>;
@@ -65,7 +66,7 @@ pub enum Deformed {
 }
 
 /// A number of the state at a point of a body.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum PointNumber {
     /// The von Mises stress.
@@ -76,10 +77,12 @@ pub enum PointNumber {
     Unknown(usize),
     /// A stress: xx, yy, zz, xy, yz, xz.
     Stress(usize),
+    /// Another field of quantities, and the centre of its directions if it has one \[length\].
+    Derived(FieldName, [f64; 2]),
 }
 
 /// The subject of a panel of `fields.svg`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum ShownField {
     /// A number on the bodies.

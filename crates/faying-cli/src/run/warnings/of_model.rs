@@ -1,11 +1,12 @@
 //! Diagnostics of warnings about a model.
 
 use super::loads;
-use crate::case::Case;
+use crate::case::{Case, Master, Tie};
 use crate::errors::Diagnostic;
 use crate::lower::LoweredCase;
+use crate::place::SourceSpan;
 use crate::text_format::{percent, place, short};
-use faying::problem::{SubjectKind, Warning};
+use faying::problem::{Subject, SubjectKind, Warning};
 
 /// Returns the diagnostic of a warning about the accuracy of a model.
 pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCase<S, N>, warning: &Warning) -> Option<Diagnostic> {
@@ -48,7 +49,7 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
                 "{} % of the slave side `{slave}` of interface \"{name}\" meets no master: facets end beside each other at the rim of the surface that they stand for; nothing ties that part",
                 percent(*share)
             ),
-            case.interfaces.iter().find(|tie| tie.name.value == *name)?.head.at,
+            tie(case, name)?.head.at,
             "take more elements along the sides, degree 2 or more, mapping = \"exact\", or backend = \"iga\"".into(),
         ),
         Warning::Facets { sag, gap, .. } => (
@@ -60,7 +61,25 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
                 short(*gap)
             ),
             case.contacts[of.number].head.at,
-            "take more elements along the sides, degree 2 or more, mapping = \"exact\", backend = \"iga\", or adjust = true where the surfaces touch".into(),
+            facets_help(case, of.number).into(),
+        ),
+        Warning::DualConstants { slave, degree, .. } => (
+            "E061",
+            format!(
+                "multiplier \"dual\" of \"{name}\" holds constants only on `{slave}`, a side of degree {degree}: errors of u fall as at degree 2, \
+                 those of lambda with order 1, and on coarse elements lambda is off by tens of percent"
+            ),
+            multiplier_at(case, of)?,
+            "use p/p or p/p-2".into(),
+        ),
+        Warning::MixedMultiplier { slave, degree, multiplier, .. } => (
+            "E065",
+            format!(
+                "mixed integration of \"{name}\" with a multiplier of degree {multiplier} on `{slave}`, a side of degree {degree}: it jumps or \
+                 kinks inside of the master's elements, and errors of u fall with order 2 only"
+            ),
+            integration_at(case, of)?,
+            "write multiplier = \"p/p\", or integration = \"merged\"".into(),
         ),
         Warning::HardlyHeld { motions, share, .. } => {
             let springs = case.boundaries.iter().find(|b| b.spring.iter().any(Option::is_some)).map(|b| b.head.at);
@@ -88,4 +107,31 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
         _ => return None,
     };
     Some(Diagnostic::warning(code, text).at(&case.source, at).with_help(help))
+}
+
+/// What makes the facets of a contact finer: those of files are as they are read.
+fn facets_help(case: &Case, contact: usize) -> &'static str {
+    let contact = &case.contacts[contact];
+    let masters = if let Master::Sides(list) = &contact.master { &list[..] } else { &[] };
+    let read = contact.slave.iter().chain(masters).all(|side| case.patches[side.value.patch].geometry.shape.mesh_part().is_some());
+    if read {
+        "read meshes with more elements along the sides, or of order 2 or more; or write adjust = true where the surfaces touch"
+    } else {
+        "take more elements along the sides, degree 2 or more, mapping = \"exact\", backend = \"iga\", or adjust = true where the surfaces touch"
+    }
+}
+
+/// The [[interface]] with a name.
+fn tie<'c>(case: &'c Case, name: &str) -> Option<&'c Tie> {
+    case.interfaces.iter().find(|tie| tie.name.value == name)
+}
+
+/// Where the multiplier of a tie or a contact is written.
+fn multiplier_at(case: &Case, of: &Subject) -> Option<SourceSpan> {
+    if of.kind == SubjectKind::Contact { Some(case.contacts[of.number].multiplier.at) } else { Some(tie(case, &of.name)?.multiplier.at) }
+}
+
+/// Where the integration of a tie or a contact is written.
+fn integration_at(case: &Case, of: &Subject) -> Option<SourceSpan> {
+    if of.kind == SubjectKind::Contact { Some(case.contacts[of.number].integration.at) } else { Some(tie(case, &of.name)?.integration.at) }
 }

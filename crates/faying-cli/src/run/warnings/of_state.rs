@@ -107,6 +107,16 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             };
             (text, help)
         }
+        Warning::CoarseTie { apart, moved, .. } => (
+            format!(
+                "interface \"{name}\" is too coarse: between the functions of its multiplier its sides come apart by {} on average, {} % of \
+                 their largest displacement, {}",
+                short(*apart),
+                percent(apart / moved),
+                short(*moved)
+            ),
+            "give the slave side more elements, or let the finer side be the slave; no `factor` holds what the multiplier does not see",
+        ),
         Warning::GapPressure { pressure, from_gap, gap, x, .. } => (
             format!(
                 "the pressure of contact \"{name}\" at points is not the stress of its bodies: at {} {} of {} is the factor times a gap of {}; its \

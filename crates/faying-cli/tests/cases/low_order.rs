@@ -1,0 +1,124 @@
+//! Multipliers that lower the order of convergence are told, and those that are told do: against a known solution on two grids.
+
+use faying_cli::case::ReadOptions;
+use faying_cli::errors::Diagnostic;
+use faying_cli::{Case, Registry, RunResult, Status};
+
+/// Two boxes tied along y = 1/2, 6 elements on 4 and their halves, with a smooth solution; the slave is below.
+fn seam(backend: &str, degree: usize, multiplier: &str, integration: &str, refine: usize) -> RunResult {
+    let block = |name: &str, low: f64, elements: [usize; 2]| {
+        let high = low + 0.5;
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = [0, {low}], max = [1, {high}] }}\nelements = {elements:?}\nrefine = {refine}\n"
+        )
+    };
+    let text = format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\nexact = {{ u = [\"0.01*sin(2*x)*cos(y)\", \"0.01*cos(x)*exp(y)\"] }}\n\
+         [discretization]\nbackend = \"{backend}\"\ndegree = {degree}\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n"
+    ) + &block("a", 0.0, [6, 3])
+        + &block("b", 0.5, [4, 2])
+        + "[[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n"
+        + &format!(
+            "[[interface]]\nname = \"seam\"\nslave = \"a.top\"\nmaster = \"b.bottom\"\nmultiplier = \"{multiplier}\"\nintegration = \"{integration}\"\n"
+        );
+    let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    assert_eq!(result.status, Status::Ok, "{:?}\n{text}", result.diagnostics);
+    result
+}
+
+/// The warning of a code with a word.
+fn told<'a>(result: &'a RunResult, code: &str, word: &str) -> Option<&'a Diagnostic> {
+    result.warnings.iter().find(|w| w.code == code && w.message.contains(word))
+}
+
+/// Order of an error between the grids halved `from` times and once more.
+fn order(of: &dyn Fn(usize) -> RunResult, error: &str, from: usize) -> f64 {
+    let value = |refine: usize| *of(refine).errors.get(error).unwrap_or_else(|| panic!("no {error}"));
+    (value(from) / value(from + 1)).log2()
+}
+
+const DUAL: &str = "holds constants only";
+const MIXED: &str = "mixed integration of \"seam\"";
+
+#[test]
+fn dual_multipliers_of_splines_are_told_from_degree_3_on() {
+    for (degree, wrong) in [(3, 0.33), (4, 1.09)] {
+        let dual = |refine: usize| seam("iga", degree, "dual", "merged", refine);
+        let coarse = dual(0);
+        let warning = told(&coarse, "E061", DUAL).unwrap_or_else(|| panic!("{:?}", coarse.warnings));
+        assert!(warning.message.contains(&format!("degree {degree}")) && warning.line == Some(29), "{warning:?}");
+        assert_eq!(warning.help.as_deref(), Some("use p/p or p/p-2"));
+        // lambda is off by tens of percent, and falls with order 1 or little more; the energy falls with order 2 for the degree
+        let found = *coarse.errors.get("error.seam.lambda.L2.rel").unwrap();
+        assert!((found / wrong - 1.0).abs() < 0.02, "{degree}: {found}");
+        let (lambda, energy) = (order(&dual, "error.seam.lambda.L2", 2), order(&dual, "error.u.energy", 2));
+        assert!(lambda < 1.5 && energy < 2.2, "{degree}: {lambda} {energy}");
+        // what the help names keeps the order
+        for good in ["p/p", "p/p-2"] {
+            let good = |refine: usize| seam("iga", degree, good, "merged", refine);
+            assert!(good(0).warnings.is_empty(), "{:?}", good(0).warnings);
+            assert!(order(&good, "error.u.energy", 1) > degree as f64 - 0.1);
+        }
+    }
+}
+
+#[test]
+fn dual_multipliers_that_keep_the_order_are_not_told() {
+    for (backend, degree) in [("iga", 1), ("iga", 2), ("fe", 1), ("fe", 2), ("fe", 3), ("fe", 4)] {
+        let result = seam(backend, degree, "dual", "merged", 0);
+        assert!(told(&result, "E061", DUAL).is_none(), "{backend} {degree}: {:?}", result.warnings);
+    }
+    // of Lagrange elements dual multipliers have the order of the degree
+    let of = |refine: usize| seam("fe", 3, "dual", "merged", refine);
+    assert!(order(&of, "error.seam.lambda.L2", 0) > 2.8 && order(&of, "error.u.L2", 0) > 3.8);
+}
+
+#[test]
+fn mixed_integration_of_multipliers_that_jump_or_kink_is_told() {
+    for (backend, degree) in [("iga", 2), ("iga", 3), ("fe", 2), ("fe", 3)] {
+        let mixed = |refine: usize| seam(backend, degree, "p/p-2", "mixed", refine);
+        let result = mixed(0);
+        let warning = told(&result, "E065", MIXED).unwrap_or_else(|| panic!("{:?}", result.warnings));
+        assert!(warning.message.contains(&format!("multiplier of degree {}", degree - 2)) && warning.line == Some(30), "{warning:?}");
+        assert!(warning.help.as_ref().is_some_and(|help| help.contains("multiplier = \"p/p\"")), "{warning:?}");
+        assert!(order(&mixed, "error.u.L2", 2) < 2.3, "{backend} {degree}");
+        let full = |refine: usize| seam(backend, degree, "p/p", "mixed", refine);
+        assert!(full(0).warnings.is_empty(), "{:?}", full(0).warnings);
+    }
+    // from degree 4 on the kinks are too weak to be seen
+    for (backend, degree) in [("iga", 4), ("fe", 4)] {
+        let mixed = |refine: usize| seam(backend, degree, "p/p-2", "mixed", refine);
+        assert!(told(&mixed(0), "E065", MIXED).is_none(), "{:?}", mixed(0).warnings);
+        assert!(order(&mixed, "error.u.L2", 1) > 4.3, "{backend}");
+    }
+}
+
+/// Blocks pressed together: the warning stands for contacts, too, at their own line.
+#[test]
+fn contacts_are_told_as_well() {
+    let text = |degree: usize, choice: &str| {
+        let block = |name: &str, low: f64, n: usize| {
+            format!(
+                "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = [0, {low}], max = [1, {}] }}\nelements = [{n}, {n}]\n",
+                low + 1.0
+            )
+        };
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\ndegree = {degree}\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n"
+        ) + &block("a", 0.0, 3)
+            + &block("b", 1.0, 4)
+            + "[[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = [\"b.left\", \"b.right\"]\nfix = [\"x\"]\n\
+               [[boundary]]\non = \"b.top\"\npressure = 0.01\n[[contact]]\nname = \"pad\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n"
+            + choice
+    };
+    let run = |degree: usize, choice: &str| {
+        let case = Case::parse("case.toml", &text(degree, choice), &ReadOptions::default()).unwrap();
+        case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}"))
+    };
+    assert!(told(&run(3, "multiplier = \"dual\"\n"), "E061", "\"dual\" of \"pad\" holds constants only on `b.bottom`").is_some());
+    assert!(told(&run(2, "multiplier = \"dual\"\n"), "E061", DUAL).is_none());
+    let mixed = run(2, "integration = \"mixed\"\n");
+    assert!(told(&mixed, "E065", "mixed integration of \"pad\" with a multiplier of degree 0").is_some(), "{:?}", mixed.warnings);
+    assert!(told(&run(2, "integration = \"mixed\"\nmultiplier = \"p/p\"\n"), "E065", "mixed integration of").is_none());
+}
