@@ -68,9 +68,6 @@ where
         if refused != (false, false) {
             return Err(InterfaceError::Refused { pressed: refused.0, mixed: refused.1 });
         }
-        if S == 2 && setup.contact.rule.is_mixed() && !setup.masters.is_empty() {
-            return Err(InterfaceError::MixedSurfaces);
-        }
         let (against, second, finer) = self.opponent(contact, setup)?;
         let (multiplier, reading, unstable) = match needs.multiplier {
             true => self.contact_multiplier(contact, setup, &against).map(|(psi, reading, unstable)| (Some(psi), reading, unstable))?,

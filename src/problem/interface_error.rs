@@ -22,9 +22,6 @@ pub enum InterfaceError {
         /// Whether it is mixed integration.
         mixed: bool,
     },
-    /// Mixed integration of contact between surfaces, which is not in this version.
-    #[error("mixed integration of contact between surfaces is not in this version")]
-    MixedSurfaces,
     /// Sides that do not meet.
     #[error("the sides do not meet: {0}")]
     Apart(CouplingError),

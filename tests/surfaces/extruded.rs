@@ -1,12 +1,14 @@
 //! Contact in the plane, with an obstacle and of two bodies, extruded by one layer of elements: pressures and displacements are those of the plane.
 
-use faying::basis::BSpline;
+use faying::basis::{BSpline, Order};
 use faying::contact::{Augmented, ContactMethod, Cylinder, Lagrange, Sphere};
-use faying::coupling::Penalty;
-use faying::geometry::{ControlNet, shapes};
+use faying::coupling::interface::{MasterSums, MasterSurfaceSums, SlaveRule, SlaveSurface};
+use faying::coupling::{InterfaceQuadrature, Penalty, Segments};
+use faying::geometry::{ControlNet, Geometry, MapTable, shapes};
 use faying::linalg::Vector;
 use faying::physics::Hooke;
-use faying::problem::{BodyId, Components, ContactId, Data, Problem, Solution};
+use faying::problem::{BodyId, Components, ContactId, Data, Integration, Problem, Solution};
+use faying::quadrature::gauss_legendre;
 use faying::space::{Body, Mesh, Patch, PatchSpec};
 use std::sync::Arc;
 
@@ -108,30 +110,47 @@ fn arched([bend, tilt]: [f64; 2], [low, high]: [f64; 2]) -> ControlNet<2, 2> {
 }
 
 /// Two bodies, the upper one pushed down at its top by a displacement that varies; the slave is the upper one unless `swapped`.
+#[derive(Clone, Copy, Debug)]
 struct Two {
     bend: f64,
     mesh: [bool; 2],
     swapped: bool,
+    rule: Integration,
 }
 
+/// A body in the plane, and in space.
+type Twin = (Arc<dyn Body<1, 2>>, Arc<dyn Body<2, 3>>);
+
 impl Two {
-    fn compare(&self, what: &str) {
-        let what = format!("{what}, bend {}, meshes {:?}, swapped {}", self.bend, self.mesh, self.swapped);
-        // the master is longer than the slave, or as long
-        let nets = [arched([0.0, 0.0], [-0.5, 0.0]), arched([self.bend, 0.0], [0.0, 0.5])];
-        let elements = [[5, 2], [8, 3]];
-        let elements = if self.swapped { [[8, 3], [5, 2]] } else { elements };
+    /// Fully and partly closed, of splines and finite elements, either one the slave.
+    fn all(rule: Integration) -> impl Iterator<Item = Self> {
+        let meshes = [[false, false], [false, true], [true, false]];
+        let pairs = meshes.into_iter().flat_map(|mesh| [false, true].map(|swapped| (mesh, swapped)));
+        [0.0, 0.05].into_iter().flat_map(move |bend| pairs.clone().map(move |(mesh, swapped)| Self { bend, mesh, swapped, rule }))
+    }
+
+    /// Body 0 is the lower one, in space of so many layers; the master is longer than the slave, or as long.
+    fn body(&self, b: usize, layers: usize) -> Twin {
+        let net = if b == 0 { arched([0.0, 0.0], [-0.5, 0.0]) } else { arched([self.bend, 0.0], [0.0, 0.5]) };
+        let [n, m] = if (b == 0) == self.swapped { [8, 3] } else { [5, 2] };
+        let flat = PatchSpec::new(net.clone()).with_degree([2; 2]).with_elements([n, m]);
+        let deep = PatchSpec::new(net.extrude(HEIGHT)).with_degree([2; 3]).with_elements([n, m, layers]);
+        match self.mesh[b] {
+            true => (Arc::new(Mesh::<1, 2>::from_patch(&flat).unwrap()), Arc::new(Mesh::<2, 3>::from_patch(&deep).unwrap())),
+            false => (Arc::new(Patch::<1, 2>::try_new(&flat).unwrap()), Arc::new(Patch::<2, 3>::try_new(&deep).unwrap())),
+        }
+    }
+
+    fn compare(&self) {
+        let what = format!("{self:?}");
+        let bodies = [0, 1].map(|b| self.body(b, 1));
         let young = [1.0, 2.5];
         let down = || Data::of(|x, _| -0.01 - 0.002 * x[0]);
 
         let mut p = Problem::<1, 2>::new();
         let flat: [BodyId; 2] = std::array::from_fn(|b| {
-            let spec = PatchSpec::new(nets[b].clone()).with_degree([2; 2]).with_elements(elements[b]);
-            let body: Arc<dyn Body<1, 2>> = match self.mesh[b] {
-                true => Arc::new(Mesh::<1, 2>::from_patch(&spec).unwrap()),
-                false => Arc::new(Patch::<1, 2>::try_new(&spec).unwrap()),
-            };
-            p.body(["lower", "upper"][b], body, Hooke::plane_strain(young[b], 0.3).unwrap()).unwrap()
+            let steel = Hooke::plane_strain(young[b], 0.3).unwrap();
+            p.body(["lower", "upper"][b], bodies[b].0.clone(), steel).unwrap()
         });
         p.fix(flat[0].side("v0"), Components::All).unwrap();
         p.fix(flat[1].side("v1"), Components::One(0)).unwrap();
@@ -140,18 +159,13 @@ impl Two {
         if self.swapped {
             sides.reverse();
         }
-        let contact = p.contact(sides[0], sides[1]).unwrap().extra_points(EXTRA).id();
+        let contact = p.contact(sides[0], sides[1]).unwrap().rule(self.rule).extra_points(EXTRA).id();
         let plane = p.assemble().unwrap().solve(0.0, None).unwrap();
 
         let mut p = Problem::<2, 3>::new();
         let deep: [BodyId; 2] = std::array::from_fn(|b| {
-            let [n, m] = elements[b];
-            let spec = PatchSpec::new(nets[b].extrude(HEIGHT)).with_degree([2; 3]).with_elements([n, m, 1]);
-            let body: Arc<dyn Body<2, 3>> = match self.mesh[b] {
-                true => Arc::new(Mesh::<2, 3>::from_patch(&spec).unwrap()),
-                false => Arc::new(Patch::<2, 3>::try_new(&spec).unwrap()),
-            };
-            let body = p.body(["lower", "upper"][b], body, Hooke::solid(young[b], 0.3).unwrap()).unwrap();
+            let steel = Hooke::solid(young[b], 0.3).unwrap();
+            let body = p.body(["lower", "upper"][b], bodies[b].1.clone(), steel).unwrap();
             p.fix(body.side("w0"), Components::One(2)).unwrap();
             p.fix(body.side("w1"), Components::One(2)).unwrap();
             body
@@ -163,7 +177,7 @@ impl Two {
         if self.swapped {
             sides.reverse();
         }
-        let pressed = p.contact(sides[0], sides[1]).unwrap().extra_points(EXTRA).id();
+        let pressed = p.contact(sides[0], sides[1]).unwrap().rule(self.rule).extra_points(EXTRA).id();
         let space = p.assemble().unwrap().solve(0.0, None).unwrap();
 
         let area = plane.contact(contact).unwrap().area;
@@ -173,17 +187,87 @@ impl Two {
             points.iter().for_each(|&x| same_displacement(&what, (&plane, flat[b]), (&space, deep[b]), x));
         }
     }
+
+    /// Points of the rule in the plane and in space: x and y of slave and master, and the weight; those of space for each of the Gauss points
+    /// along the layers of the side whose points they are, over their weight there.
+    fn points(&self, n: usize, layers: [usize; 2]) -> (Vec<[f64; 5]>, Vec<Vec<[f64; 5]>>) {
+        let slave = usize::from(!self.swapped);
+        let sides = [(slave, layers[0]), (1 - slave, layers[1])].map(|(b, layers)| (self.body(b, layers), ["v1", "v0"][b]));
+        let is_mixed = matches!(self.rule, Integration::Mixed);
+        let [slave, master] = sides.each_ref().map(|((flat, _), name)| flat.trace(name).unwrap().oriented());
+        let flat = match is_mixed {
+            true => MasterSums::facing(n, None).segments(&slave, &master),
+            false => SlaveRule::facing(n, None).segments(&slave, &master),
+        };
+        let plane = listed(&flat.unwrap(), &slave, &master).into_iter().map(|(x, y, ds)| [x[0], x[1], y[0], y[1], ds]).collect();
+        let [slave, master] = sides.each_ref().map(|((_, deep), name)| deep.trace(name).unwrap().oriented());
+        let deep = match is_mixed {
+            true => MasterSurfaceSums::facing(n, None).segments(&slave, &master),
+            false => SlaveSurface::facing(n, None).segments(&slave, &master),
+        };
+        let (gauss, height) = (gauss_legendre::<f64>(n), HEIGHT / layers[usize::from(is_mixed)] as f64);
+        let mut along = vec![Vec::new(); n * layers[usize::from(is_mixed)]];
+        for (x, y, ds) in listed(&deep.unwrap(), &slave, &master) {
+            let k = (0..along.len()).find(|&k| ((k / n) as f64 + gauss.points[k % n][0] - x[2] / height).abs() < SAME);
+            let k = k.unwrap_or_else(|| panic!("{self:?}: {x:?}"));
+            along[k].push([x[0], x[1], y[0], y[1], ds / (gauss.weights[k % n] * height)]);
+        }
+        (plane, along)
+    }
+}
+
+/// Pairs of points of segments with their weights.
+fn listed<const D: usize, const N: usize>(
+    segments: &Segments<D>,
+    slave: &dyn Geometry<D, N>,
+    master: &dyn Geometry<D, N>,
+) -> Vec<(Vector<N>, Vector<N>, f64)> {
+    let (mut own, mut other, mut out) = (MapTable::new(), MapTable::new(), Vec::new());
+    for piece in 0..segments.num_pieces() {
+        for q in segments.points(piece) {
+            slave.map(segments.slave[piece], &[segments.slave_xi[q]], Order::Values, &mut own);
+            master.map(segments.master[piece], &[segments.master_xi[q]], Order::Values, &mut other);
+            out.push((own.x[0], other.x[0], segments.ds[q]));
+        }
+    }
+    out
 }
 
 #[test]
 fn two_bodies_in_contact_extruded_are_those_of_the_plane() {
-    for (what, bend) in [("full contact", 0.0), ("partial contact", 0.05)] {
-        for mesh in [[false, false], [false, true], [true, false]] {
-            for swapped in [false, true] {
-                Two { bend, mesh, swapped }.compare(what);
+    Two::all(Integration::Merged).for_each(|two| two.compare());
+}
+
+/// Points of the slave for the gap, of the master for its forces: those of the plane, times those along the layer; also where the normals of a
+/// bent master point beyond the end of the slave, and its points lie on ends of slave elements.
+#[test]
+fn mixed_and_slave_integration_extruded_are_those_of_the_plane() {
+    for rule in [Integration::Mixed, Integration::Slave] {
+        Two::all(rule).for_each(|two| two.compare());
+    }
+}
+
+/// Every pair of points of the plane stands at every Gauss point along the layers, also where several layers end beside an element of the other side.
+#[test]
+fn points_of_either_side_extruded_are_those_of_the_plane() {
+    let order = |a: &[f64; 5], b: &[f64; 5]| (a[2] / SAME).round().total_cmp(&(b[2] / SAME).round()).then(a[4].total_cmp(&b[4]));
+    let mut failures = Vec::new();
+    for (rule, n) in [Integration::Mixed, Integration::Slave].into_iter().flat_map(|rule| [3, 4, 9].map(|n| (rule, n))) {
+        for (two, layers) in Two::all(rule).flat_map(|two| [[1, 1], [3, 2], [3, 4]].map(|layers| (two, layers))) {
+            let (mut plane, along) = two.points(n, layers);
+            plane.sort_by(order);
+            for (k, mut found) in along.into_iter().enumerate() {
+                found.sort_by(order);
+                let apart = plane.iter().flatten().zip(found.iter().flatten()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                if plane.len() != found.len() || apart > SAME {
+                    let counts = [plane.len(), found.len()];
+                    failures.push(format!("{two:?} {n} points, layers {layers:?}, point {k}: {counts:?}, {apart:e}"));
+                    break;
+                }
             }
         }
     }
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 #[test]

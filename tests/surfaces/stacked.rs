@@ -220,6 +220,19 @@ fn the_slave_rule_is_exact_on_grids_that_match() {
     assert!(few > 1e-4 && many < 0.1 * few, "{few} {many}");
 }
 
+/// A uniform pressure passes by the points of either side, where neither is rational: no defect of action and reaction.
+#[test]
+fn the_pressure_is_uniform_by_mixed_integration() {
+    let mut failures = Vec::new();
+    let polynomial = |kinds: &[Kind; 2]| !kinds.contains(&Kind::Nurbs);
+    for (k, kinds) in pairs().filter(polynomial).enumerate() {
+        for (degree, swapped) in [(1, k % 2 == 0), (2, k % 2 == 1)] {
+            failures.extend(Case { rule: Integration::Mixed, swapped, ..Case::new(kinds, degree) }.check(EXACT));
+        }
+    }
+    assert_none(&failures);
+}
+
 /// A penalty lets the bodies sink into each other by the pressure over its stiffness, and changes nothing else.
 #[test]
 fn a_penalty_lets_the_bodies_sink_into_each_other_by_its_factor() {

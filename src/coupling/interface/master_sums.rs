@@ -15,7 +15,8 @@
 //! so the sums tend to the same integrals over the slave as slave-side and merged ones. Elements are integrated from end to end, with no
 //! regard to the slave's knots: that is the error of this rule. An element is cut only where a side ends, or where the closest point of
 //! the slave jumps; at a kink of the master its range ends where the fan of the vertex is halved, beyond its cell or before.
-//! Slave pieces are assigned to master elements as in merged integration.
+//! Slave pieces are assigned to master elements as in merged integration. A point on the common end of two slave elements counts half for
+//! each: a multiplier may jump there, and rounding must not decide which side is taken.
 //! Source: Brivadis, defence slides, Pavia 2017: the master part of B for contact.
 
 use super::merged_curve::{PieceSides, Work};
@@ -28,7 +29,7 @@ use crate::linalg::{Real, Vector, lit};
 use crate::parallel;
 use std::cmp::Ordering;
 
-/// Ranges on a master element closer than this share of it are one, and end at its end.
+/// Ranges on a master element closer than this share of it are one, and end at its end; points closer to the end of a range are on it.
 const SAME: f64 = 1e-8;
 /// Arcs whose range on the master is at most this share of an element are left out.
 const POINT: f64 = 1e-12;
@@ -165,14 +166,19 @@ fn sums<const N: usize, T: Real>(sides: &PieceSides<'_, N, T>, master: usize, ar
         out.extend(group.iter().map(|arc| Summed { slave: arc.slave, points: Vec::new(), farthest: (T::zero(), [0.0; 3]) }));
         for (point, &weight) in sides.gauss.points.iter().zip(&sides.gauss.weights) {
             let eta = Vector::<1, T>::new(from + (to - from) * point[0]);
-            let k = group.iter().rposition(|arc| arc.eta[0] <= eta[0]).unwrap_or(0);
             sides.master.geometry().map(master, &[eta], Order::Hessians, &mut work.master);
-            let Some((xi, ds, distance)) = partner(sides.slave, &group[k], &work.master, &mut work.slave) else { continue };
-            let piece = &mut out[first + k];
-            if distance > piece.farthest.0 {
-                piece.farthest = (distance, place_of(&work.slave.x[0]));
+            let holds = |arc: &Arc<T>| eta[0] >= arc.eta[0] - lit(SAME) && eta[0] <= arc.eta[1] + lit(SAME);
+            let mut found = Vec::new();
+            for (k, arc) in group.iter().enumerate().filter(|(_, arc)| holds(arc)) {
+                let Some((xi, ds, distance)) = partner(sides.slave, arc, &work.master, &mut work.slave) else { continue };
+                let piece = &mut out[first + k];
+                if distance > piece.farthest.0 {
+                    piece.farthest = (distance, place_of(&work.slave.x[0]));
+                }
+                found.push((k, xi, ds));
             }
-            piece.points.push((xi, eta, ds * weight * (to - from)));
+            let share = weight * (to - from) / lit(found.len().max(1) as f64);
+            found.into_iter().for_each(|(k, xi, ds)| out[first + k].points.push((xi, eta, ds * share)));
         }
     }
     out.retain(|piece| !piece.points.is_empty());

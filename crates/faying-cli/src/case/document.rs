@@ -90,7 +90,7 @@ impl Reader {
             studies,
             effective: String::new(),
         };
-        self.surfaces(&case);
+        self.pressed_obstacles(&case);
         case.fields = self.shown_fields(&shown, &case);
         case.effective = self.effective(root);
         case

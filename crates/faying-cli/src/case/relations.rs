@@ -228,15 +228,8 @@ impl Reader {
         }
     }
 
-    /// Reports mixed integration of contact between surfaces, which this version does not have, and forces of obstacles that a method cannot take.
-    pub fn surfaces(&mut self, case: &Case) {
-        if case.model.dimension.value == 3 {
-            let of_bodies = case.contacts.iter().filter(|c| matches!(c.master, Master::Sides(_)));
-            for rule in of_bodies.map(|c| &c.integration).filter(|rule| rule.value == "mixed") {
-                let help = "write integration = \"merged\", the pieces of both sides, or \"slave\"";
-                self.fault("E019", rule.at, "integration = \"mixed\" of contact between surfaces is not in this version", help);
-            }
-        }
+    /// Reports forces of obstacles that a method cannot take.
+    pub fn pressed_obstacles(&mut self, case: &Case) {
         for c in case.contacts.iter().filter(|c| !c.needs.pressed) {
             let Master::Rigid(obstacle) = &c.master else { continue };
             let Some(f) = obstacle.force.iter().flatten().next() else { continue };

@@ -138,7 +138,6 @@ fn fault<const S: usize, const N: usize>(
             let text = format!("method = {:?} against an obstacle that a `force` presses is not in this version", contact.method.value);
             context.error("E019", text, contact.method.at).with_help("write method = \"lagrange\", or give the obstacle a `move`")
         }
-        InterfaceError::MixedSurfaces => context.error("E019", format!("contact \"{name}\": {error}"), contact.integration.at),
         InterfaceError::Segments(e) => context.error("E023", format!("contact \"{name}\": {e}"), at),
         InterfaceError::Contact(e) => contact_fault(context, contact, slave, masters, e, at),
         InterfaceError::Gap { at, geometric, t } => gap_fault(context, contact, (&at[..N], *t), *geometric),

@@ -39,7 +39,8 @@ pub fn skeleton<const S: usize, const N: usize>(command: &str, case: &Case, buil
     let contact = |c: InterfaceView<'_, S, N>| {
         let displacement = c.has_obstacle().then(|| vec![0.0; N]);
         let half_width = (S == 1).then_some(0.0);
-        let report = ContactReport { force: vec![0.0; N], moment: moment::<N>([0.0; 3]), displacement, half_width, ..Default::default() };
+        let (moment, segments) = (moment::<N>([0.0; 3]), segments::<N>([0; 2], 0.0, 0.0, displacement.is_none()));
+        let report = ContactReport { force: vec![0.0; N], moment, displacement, segments, half_width, ..Default::default() };
         (c.name().to_owned(), report)
     };
     result.contact = contents.contacts().map(contact).collect();
@@ -171,7 +172,9 @@ fn contact_report<const N: usize>(result: ContactResult<N>, iterations: usize) -
 
 /// Report of an interface before anything is solved.
 fn tied<const S: usize, const N: usize>(tie: &InterfaceView<'_, S, N>, components: usize) -> InterfaceReport {
-    let mut report = InterfaceReport { force: vec![0.0; components], moment: moment::<N>([0.0; 3]), ..InterfaceReport::default() };
+    let segments = segments::<N>([0; 2], 0.0, 0.0, true);
+    let mut report =
+        InterfaceReport { force: vec![0.0; components], moment: moment::<N>([0.0; 3]), segments, ..InterfaceReport::default() };
     let mut whole = 0.0;
     let mut covered = 0.0;
     for slave in tie.sides() {

@@ -35,7 +35,7 @@ fn a_uniform_pressure_passes_between_all_pairs_by_every_method() {
     let cells = ["backend = \"iga\"", "backend = \"fe\"", "backend = \"fe\"\ncells = \"simplex\""];
     let roles = ["slave = \"upper.bottom\"\nmaster = \"lower.top\"", "slave = \"lower.top\"\nmaster = \"upper.bottom\""];
     for (k, (a, b)) in cells.iter().flat_map(|a| cells.iter().map(move |b| (a, b))).enumerate() {
-        for method in ["lagrange", "augmented", "nitsche"] {
+        for method in ["lagrange\"\nintegration = \"merged", "lagrange\"\nintegration = \"mixed", "augmented", "nitsche"] {
             let result = run(&stacked([a, b], &format!("method = \"{method}\"\n{}", roles[k % 2])));
             let found = result.contact.get("c").unwrap();
             assert!((found.pressure.max - 2.0).abs() < 1e-8 && (found.pressure.min - 2.0).abs() < 1e-8, "{a} {b} {method}: {found:?}");
@@ -46,6 +46,38 @@ fn a_uniform_pressure_passes_between_all_pairs_by_every_method() {
             assert!((uz + 2e-3).abs() < 1e-9, "{a} {b} {method}: {uz}");
         }
     }
+}
+
+/// Between kinked sides across a gap points lie outside of their master cell, by as much as the fan of the kink is wide; both numbers are
+/// quantities.
+#[test]
+fn how_far_points_lie_outside_of_their_cells_is_told() {
+    // a ridge of two planes that rise by 1 in 5 to y = 0.5, below a plane at 0.1 above it: the normals of each face leave the ridge by 0.1 * 0.2
+    let half = |name: &str, y: [f64; 2], z: [f64; 2]| {
+        let corner = |c: usize| format!("[{}, {}, {}]", c % 2, y[c / 2 % 2], if c < 4 { -0.5 } else { z[c / 2 % 2] });
+        let points: Vec<String> = (0..8).map(corner).collect();
+        let knots = "[[0, 0, 1, 1], [0, 0, 1, 1], [0, 0, 1, 1]]";
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"nurbs\", degree = [1, 1, 1], knots = {knots}, points = [{}] }}\nelements = [2, 2, 1]\n",
+            points.join(", ")
+        )
+    };
+    let text = HEAD.to_owned()
+        + &half("front", [0.0, 0.5], [-0.1, 0.0])
+        + &half("back", [0.5, 1.0], [0.0, -0.1])
+        + "[[patch]]\nname = \"upper\"\ngeometry = { kind = \"box\", min = [0, 0.1, 0.1], max = [1, 0.9, 0.4] }\nelements = [3, 5, 1]\n\
+           [[interface]]\nname = \"glued\"\ncoupling = \"glue\"\nslave = \"front.v1\"\nmaster = \"back.v0\"\n\
+           [[boundary]]\non = [\"front.bottom\", \"back.bottom\"]\nfix = [\"x\", \"y\", \"z\"]\n\
+           [[boundary]]\non = \"upper.top\"\ndirichlet = { x = 0, y = 0, z = -0.12 }\n\
+           [[contact]]\nname = \"c\"\nslave = \"upper.bottom\"\nmaster = [\"front.top\", \"back.top\"]\n\
+           [[probe]]\nname = \"lost\"\nquantity = \"contact.c.segments.lost\"\n[[probe]]\nname = \"out\"\nquantity = \"contact.c.segments.outside\"\n";
+    let result = run(&text);
+    let segments = result.contact.get("c").unwrap().segments;
+    // the foot of a point over the ridge lies 0.1 * 0.2 / (1 + 0.2^2) beyond it in y, of cells 0.25 wide
+    let widest = 0.1 * 0.2 / 1.04 / 0.25;
+    let outside = segments.outside.unwrap();
+    assert!(outside <= widest + 1e-9 && outside > 0.3 * widest, "{outside} {widest}");
+    assert_eq!((result.probes[0].value, result.probes[1].value), (0.0, outside));
 }
 
 /// A hollow ball pressed on a block that reaches beyond it, both as slave: its force is the one that holds the block, and roles

@@ -13,7 +13,7 @@
 //! Functions of a collapsed cell are smooth along every line into its pole and in the angle about it, not in the plane. So a region with
 //! a corner at a pole is filled by triangles with that corner, and one that is near a pole is halved towards it.
 
-use super::clip::{halved, simplified};
+use super::clip::{COLLINEAR, halved, simplified};
 use super::piece::{EdgePiece, LineRule, area, wedge};
 use super::region_maps::{at_pole, coons, sector};
 use crate::linalg::Vector;
@@ -157,14 +157,14 @@ fn mean(chain: &[EdgePiece]) -> Vector<2> {
     chain.iter().fold(Vector::zeros(), |s: Vector<2>, piece| s + piece.from()) / chain.len() as f64
 }
 
-/// An apex from which all sectors have an area of at least zero, everywhere.
+/// An apex from which all sectors have an area of at least zero, everywhere, up to rounding: a piece may be a sliver.
 fn apex(chain: &[EdgePiece], whole: f64, rule: &LineRule) -> Option<Vector<2>> {
     let sees = |apex: &Vector<2>| {
         chain.iter().all(|piece| match piece {
             EdgePiece::Line(..) => piece.area(apex) >= -NO_SECTOR * whole,
             EdgePiece::Curve(_) => (0..rule.t.len()).all(|q| {
                 let [c, d] = rule.at(piece, q);
-                wedge(&(c - apex), &d) >= 0.0
+                wedge(&(c - apex), &d) >= -NO_SECTOR * whole
             }),
         })
     };
@@ -210,7 +210,7 @@ fn half(chain: &[EdgePiece], normal: &Vector<2>, offset: f64) -> Vec<EdgePiece> 
         }
     }
     // ends of parts lie on the line to rounding only: those of kept curves stay where they are
-    simplified(halved(split, distance, |p| p - normal * distance(p)))
+    simplified(halved(split, distance, |p| p - normal * distance(p)), COLLINEAR)
 }
 
 /// Parameters at which a curved piece crosses the zero line of a linear function.

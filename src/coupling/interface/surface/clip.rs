@@ -9,8 +9,8 @@ use crate::linalg::Vector;
 
 /// Pieces shorter than this are points.
 const POINT: f64 = 1e-15;
-/// Lines whose common deviation is below this share of their length are one.
-const COLLINEAR: f64 = 1e-15;
+/// Lines with an end this near to their chord, up to rounding, are one.
+pub(super) const COLLINEAR: f64 = 1e-15;
 
 /// The part of a chain in the cell.
 pub(super) fn clip(polygon: Polygon, chain: Vec<EdgePiece>) -> Vec<EdgePiece> {
@@ -21,7 +21,7 @@ pub(super) fn clip(polygon: Polygon, chain: Vec<EdgePiece>) -> Vec<EdgePiece> {
             return chain;
         }
     }
-    simplified(chain)
+    simplified(chain, COLLINEAR)
 }
 
 /// The part of a chain where the linear function `distance` is not negative; `put_on` moves points onto its zero line.
@@ -63,14 +63,14 @@ pub(super) fn halved(
     out
 }
 
-/// A chain without points, consecutive lines on one line joined; spikes vanish with that.
-pub(super) fn simplified(chain: Vec<EdgePiece>) -> Vec<EdgePiece> {
+/// A chain without points, consecutive lines on one line to the distance `near` joined; spikes vanish with that.
+pub(super) fn simplified(chain: Vec<EdgePiece>, near: f64) -> Vec<EdgePiece> {
     let mut out: Vec<EdgePiece> = Vec::with_capacity(chain.len());
     for piece in chain {
         if piece.chord() <= POINT && !piece.is_curve() {
             continue;
         }
-        match out.last().and_then(|last| joined(last, &piece)) {
+        match out.last().and_then(|last| joined(last, &piece, near)) {
             Some(line) => {
                 out.pop();
                 if line.chord() > POINT {
@@ -81,7 +81,7 @@ pub(super) fn simplified(chain: Vec<EdgePiece>) -> Vec<EdgePiece> {
         }
     }
     while out.len() > 2
-        && let Some(line) = joined(&out[out.len() - 1], &out[0])
+        && let Some(line) = joined(&out[out.len() - 1], &out[0], near)
     {
         out.pop();
         out[0] = line;
@@ -92,13 +92,13 @@ pub(super) fn simplified(chain: Vec<EdgePiece>) -> Vec<EdgePiece> {
     if out.len() < 2 && !out.iter().any(EdgePiece::is_curve) { Vec::new() } else { out }
 }
 
-/// Two lines on one line as one.
-fn joined(a: &EdgePiece, b: &EdgePiece) -> Option<EdgePiece> {
+/// Two lines on one line to a distance as one.
+fn joined(a: &EdgePiece, b: &EdgePiece, near: f64) -> Option<EdgePiece> {
     let (EdgePiece::Line(p, q), EdgePiece::Line(_, r)) = (a, b) else { return None };
     let (along, next) = (q - p, r - q);
     let scale = along.norm() + next.norm();
     let off = wedge(&along, &next).abs();
-    (off <= COLLINEAR * scale).then_some(EdgePiece::Line(*p, *r))
+    (off <= near * scale).then_some(EdgePiece::Line(*p, *r))
 }
 
 #[cfg(test)]

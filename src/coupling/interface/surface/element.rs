@@ -34,14 +34,14 @@ const TOLD_BY: usize = 200;
 /// Both sides and their rules.
 pub(super) struct Sides<'a> {
     pub slave: Facets<'a>,
-    skeleton: Skeleton,
+    pub skeleton: Skeleton,
     pub master: MasterSurface<'a>,
     pub partners: Partners,
-    points: usize,
+    pub points: usize,
     /// Sizes of the slave, and of the larger side.
     pub sizes: [f64; 2],
     /// Gauss rules on [0, 1] by their number of points.
-    lines: Vec<LineRule>,
+    pub lines: Vec<LineRule>,
     own: [Rule<2>; 2],
     /// +1 where the walked normals of a slave part and a master part point to the same side.
     same: HashMap<(usize, usize), f64>,
@@ -108,7 +108,7 @@ impl<'a> Sides<'a> {
     }
 
     /// +1 where a slave facet and a master facet face each other with their own orientations alike, -1 with opposite ones.
-    fn sign(&self, s: usize, f: usize) -> f64 {
+    pub fn sign(&self, s: usize, f: usize) -> f64 {
         let (own, other) = (&self.slave.list[s], &self.master.facets.list[f]);
         let outward = self.partners.outward(self.slave.map, own.element).zip(self.master.facets.map.outward(other.element));
         if let Some((a, b)) = outward {

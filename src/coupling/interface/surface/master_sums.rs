@@ -9,11 +9,15 @@
 //!
 //! so the sums tend to the same integrals over the slave as slave-side and merged ones. What faces what is told by merged integration: an
 //! element that its regions cover is integrated by its own Gauss points, with no regard to the slave's edges, which is the error of this
-//! rule. Elements where a side ends, or in the fan of a kink, keep the points of merged integration.
+//! rule. Where the slave ends, the part of the element that it covers has points of its own (`covered.rs`), n x n of them if that has four
+//! straight sides. Parts of elements in the fan of a kink keep the points of merged integration. A point that several slave elements share
+//! counts in equal parts for each: a multiplier may jump there.
 
 use super::super::slave_pieces::join;
 use super::super::{InterfaceQuadrature, Partners, Segments};
+use super::cell_rule::WeightedPoints;
 use super::element::Sides;
+use super::facets::polygon_of;
 use crate::basis::{Cell, Order};
 use crate::coupling::CouplingError;
 use crate::geometry::{Geometry, MapTable, cell, cross};
@@ -22,8 +26,10 @@ use crate::parallel;
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 use std::collections::BTreeMap;
 
-/// Deviation of the regions of an element from its cell that is an error of their quadrature.
+/// Deviation of the regions of an element from the part that they cover that is an error of their quadrature.
 const WHOLE: f64 = 1e-5;
+/// Deviation of the part that is covered from the element that is rounding.
+const SAME: f64 = 1e-8;
 /// A partner this far outside of its element, in local coordinates, is in it.
 const INSIDE: f64 = 1e-9;
 /// Steps of Newton's method; it converges in three to six.
@@ -66,9 +72,8 @@ impl InterfaceQuadrature<2, 3> for MasterSurfaceSums {
         }
         let rules = [TensorRule::<2>::gauss([points; 2]).rule(0).clone(), simplex_rule(2 * points - 1)];
         let rule = |f: usize| &rules[usize::from(master.cell(f) == Cell::Simplex)];
-        let summed: Vec<Vec<Pair>> = parallel::map_each(of_master.into_iter().enumerate(), |(f, merged)| {
-            own_points(slave, master, f, &merged, rule(f)).unwrap_or(merged)
-        });
+        let own = |(f, merged): (usize, Vec<Pair>)| own_points(&sides, f, &merged, rule(f)).unwrap_or(merged);
+        let summed: Vec<Vec<Pair>> = parallel::map_each(of_master.into_iter().enumerate(), own);
         let mut pieces: BTreeMap<(usize, usize), Vec<_>> = BTreeMap::new();
         for (f, list) in summed.into_iter().enumerate() {
             for (element, xi, eta, ds) in list {
@@ -84,9 +89,10 @@ impl InterfaceQuadrature<2, 3> for MasterSurfaceSums {
     }
 }
 
-/// The Gauss points of a master element that the regions of `merged` cover, with their partners; `None` if they do not, or one has no
-/// partner.
-fn own_points(slave: &dyn Geometry<2, 3>, master: &dyn Geometry<2, 3>, f: usize, merged: &[Pair], rule: &Rule<2>) -> Option<Vec<Pair>> {
+/// The Gauss points of a master element, or of the part that the regions of `merged` cover, with their partners; `None` if that part has
+/// none, or one has no partner.
+fn own_points(sides: &Sides<'_>, f: usize, merged: &[Pair], rule: &Rule<2>) -> Option<Vec<Pair>> {
+    let (slave, master) = (sides.slave.map, sides.master.facets.map);
     let mut work = Work { slave, own: MapTable::new(), other: MapTable::new() };
     let cell: f64 = rule.weights.iter().sum();
     let mut covered = 0.0;
@@ -95,13 +101,22 @@ fn own_points(slave: &dyn Geometry<2, 3>, master: &dyn Geometry<2, 3>, f: usize,
         slave.map(*element, &[*xi], Order::Gradients, &mut work.own);
         covered += ds / work.rate()?;
     }
-    if (covered / cell - 1.0).abs() > WHOLE {
+    let mut by: Vec<usize> = merged.iter().map(|pair| pair.0).collect();
+    by.sort_unstable();
+    by.dedup();
+    let is = |area: f64| (covered - area).abs() <= WHOLE * cell;
+    let part = if is(cell) && !sides.ends_at(&by) { None } else { sides.part_of_master(f, &by) };
+    let area = part.as_ref().map_or(cell, |part| part.iter().map(|p| p.1).sum());
+    if !is(area) {
         return None;
     }
+    let points: WeightedPoints = match part {
+        Some(part) if (area / cell - 1.0).abs() > SAME => part,
+        _ => rule.points.iter().copied().zip(rule.weights.iter().copied()).collect(),
+    };
     // starts: one point per slave element
-    rule.points
+    points
         .iter()
-        .zip(&rule.weights)
         .map(|(eta, weight)| {
             let mut starts: BTreeMap<usize, (f64, Vector<2>)> = BTreeMap::new();
             for (element, xi, at, _) in merged {
@@ -114,12 +129,20 @@ fn own_points(slave: &dyn Geometry<2, 3>, master: &dyn Geometry<2, 3>, f: usize,
             let mut order: Vec<(f64, usize, Vector<2>)> = starts.into_iter().map(|(element, (far, xi))| (far, element, xi)).collect();
             order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             master.map(f, &[*eta], Order::Hessians, &mut work.other);
-            order.into_iter().find_map(|(_, element, start)| {
-                let xi = work.partner(element, start)?;
-                Some((element, xi, *eta, weight * work.rate()?))
-            })
+            let mut found = Vec::new();
+            for (_, element, start) in order {
+                let Some((xi, rate)) = work.partner(element, start).and_then(|xi| Some((xi, work.rate()?))) else { continue };
+                found.push((element, xi, *eta, weight * rate));
+                if polygon_of(slave.cell(element)).depth(&xi) > INSIDE {
+                    break;
+                }
+            }
+            let share = 1.0 / found.len() as f64;
+            found.iter_mut().for_each(|pair| pair.3 *= share);
+            (!found.is_empty()).then_some(found)
         })
-        .collect()
+        .collect::<Option<Vec<_>>>()
+        .map(|found| found.concat())
 }
 
 /// Both maps at a pair of points.

@@ -12,6 +12,7 @@
 mod cell_rule;
 mod chart;
 mod clip;
+mod covered;
 mod element;
 mod facets;
 mod master_sums;

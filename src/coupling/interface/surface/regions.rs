@@ -9,6 +9,7 @@ use super::clip::clip;
 use super::facets::Facets;
 use super::owner::MasterSurface;
 use super::piece::{EdgePiece, area};
+use super::skeleton::Skeleton;
 use super::trace::trace;
 use crate::geometry::MapTable;
 use crate::linalg::Vector;
@@ -59,7 +60,7 @@ pub(super) fn regions(
     sign: impl Fn(usize) -> f64,
     table: &mut MapTable<2, 3>,
 ) -> Regions {
-    let mut traced = Traced { master, chart, edges: HashMap::new(), vertices: HashMap::new(), table };
+    let mut traced = Traced::new(&master.facets, &master.skeleton, chart, table);
     let mut out = Regions { list: Vec::new(), has_rim: false };
     for &facet in candidates {
         let chain = traced.chain(facet, sign(facet), sign(facet) * master.skeleton.sign[facet]);
@@ -76,39 +77,42 @@ pub(super) fn regions(
     out
 }
 
-/// Edges and vertices of the master in one chart.
-struct Traced<'t, 'a, 'c> {
-    master: &'t MasterSurface<'a>,
-    chart: &'t mut Chart<'c>,
+/// Edges and vertices of the other side in one chart.
+pub(super) struct Traced<'t, 'a, 'c> {
+    facets: &'t Facets<'a>,
+    skeleton: &'t Skeleton,
+    pub chart: &'t mut Chart<'c>,
     edges: HashMap<usize, Vec<EdgePiece>>,
     vertices: HashMap<usize, Vector<2>>,
     table: &'t mut MapTable<2, 3>,
 }
 
-impl Traced<'_, '_, '_> {
+impl<'t, 'a, 'c> Traced<'t, 'a, 'c> {
+    pub fn new(facets: &'t Facets<'a>, skeleton: &'t Skeleton, chart: &'t mut Chart<'c>, table: &'t mut MapTable<2, 3>) -> Self {
+        Self { facets, skeleton, chart, edges: HashMap::new(), vertices: HashMap::new(), table }
+    }
+
     /// The boundary of a master facet, counter-clockwise in its own coordinates for the sign 1; `up` times the normals of the skeleton point
     /// to the side of the chart's.
     fn chain(&mut self, facet: usize, sign: f64, up: f64) -> Vec<EdgePiece> {
-        let skeleton = &self.master.skeleton;
-        let mut chain = Vec::new();
-        for k in 0..self.master.facets.list[facet].polygon.sides() {
-            let Some(edge) = skeleton.sides[facet][k] else { continue };
-            self.trace(edge, up);
-            let pieces = &self.edges[&edge];
-            if skeleton.is_forward(facet, k) {
-                chain.extend_from_slice(pieces);
-            } else {
-                chain.extend(pieces.iter().rev().map(EdgePiece::reversed));
-            }
+        let sides = self.facets.list[facet].polygon.sides();
+        let walked = |k: usize| if sign < 0.0 { sides - 1 - k } else { k };
+        (0..sides).flat_map(|k| self.side(facet, walked(k), sign, up)).collect()
+    }
+
+    /// The pieces of a side of a facet, walked with the facet counter-clockwise in its own coordinates for the sign 1.
+    pub fn side(&mut self, facet: usize, k: usize, sign: f64, up: f64) -> Vec<EdgePiece> {
+        let Some(edge) = self.skeleton.sides[facet][k] else { return Vec::new() };
+        self.trace(edge, up);
+        let pieces = &self.edges[&edge];
+        match self.skeleton.is_forward(facet, k) == (sign > 0.0) {
+            true => pieces.clone(),
+            false => pieces.iter().rev().map(EdgePiece::reversed).collect(),
         }
-        if sign < 0.0 {
-            chain = chain.iter().rev().map(EdgePiece::reversed).collect();
-        }
-        chain
     }
 
     fn vertex(&mut self, v: usize, up: f64) -> Vector<2> {
-        let place = self.master.skeleton.vertices[v];
+        let place = self.skeleton.vertices[v];
         let chart = &mut *self.chart;
         *self.vertices.entry(v).or_insert_with(|| chart.pull(&place.x, &(place.normal * up)))
     }
@@ -117,7 +121,8 @@ impl Traced<'_, '_, '_> {
         if self.edges.contains_key(&edge) {
             return;
         }
-        let (master, data) = (self.master, &self.master.skeleton.edges[edge]);
+        let (facets, skeleton) = (self.facets, self.skeleton);
+        let data = &skeleton.edges[edge];
         let ends = data.vertices.map(|v| self.vertex(v, up));
         let pieces = if data.straight && self.chart.affine {
             vec![EdgePiece::Line(ends[0], ends[1])]
@@ -125,7 +130,7 @@ impl Traced<'_, '_, '_> {
             let (chart, table) = (&mut *self.chart, &mut *self.table);
             let (polygon, snap) = (chart.polygon, chart.snap);
             trace(polygon, snap, ends, &mut |t| {
-                let (x, n) = master.skeleton.edge_point(&master.facets, edge, t, table);
+                let (x, n) = skeleton.edge_point(facets, edge, t, table);
                 chart.pull(&x, &(n * up))
             })
         };
@@ -155,7 +160,7 @@ impl Traced<'_, '_, '_> {
                 range[1] > range[0]
             }
         };
-        let ends = |e: usize| match self.master.skeleton.edges[e].at[..] {
+        let ends = |e: usize| match self.skeleton.edges[e].at[..] {
             [(facet, _)] => regions.iter().any(|r| r.facet == facet),
             _ => false,
         };

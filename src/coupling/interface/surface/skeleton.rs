@@ -34,7 +34,7 @@ pub(super) struct FacetEdge {
     /// Whether its points lie on one line and its normals are one.
     pub straight: bool,
     /// Whether the normals of its facets and vertices agree along it.
-    smooth: bool,
+    pub smooth: bool,
     /// m(0) and m(1).
     means: [Vector<3>; 2],
 }

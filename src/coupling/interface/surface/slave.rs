@@ -1,9 +1,9 @@
 //! Slave integration on surfaces: the slave's own Gauss points, each with its closest point on the master.
 //!
 //! The master's functions have kinks inside the slave's elements, so integrals converge slowly; merged integration does not have that
-//! error. An element of which a rim of the master leaves a part uncovered takes the regions of merged integration, so that what is covered
-//! is integrated and no more. Where the closest point lies on an edge or a vertex of the master, the point belongs to the element there
-//! whose normal is nearest to the line to it: the fan of a kink is halved.
+//! error. Of an element of which a rim of the master leaves a part uncovered, the part that is covered has points of its own (`covered.rs`),
+//! n x n of them if it has four straight sides. Where the closest point lies on an edge or a vertex of the master, the point belongs to the
+//! element there whose normal is nearest to the line to it: the fan of a kink is halved.
 
 use super::super::slave_pieces::{Point, SlavePieces, join};
 use super::super::{InterfaceQuadrature, Partners, Segments, Tolerance};
@@ -16,6 +16,9 @@ use crate::linalg::Vector;
 use crate::parallel;
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 use std::collections::BTreeMap;
+
+/// Deviation of a part from the regions that cover it, in local coordinates, that is rounding.
+const SAME_PART: f64 = 1e-8;
 
 /// Gauss points on the slave elements of surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,24 +65,46 @@ impl OwnPoints<'_, '_> {
         if self.sides.may_end(element) {
             let merged = self.sides.element(element);
             if !merged.whole {
-                return merged;
+                return self.on_part(&merged).unwrap_or(merged);
             }
         }
         self.at_own_points(element)
     }
 
+    /// Points of the part of an element that the regions of `merged` cover; `None` if that part has none, or one has no partner.
+    fn on_part(&self, merged: &SlavePieces<2, f64>) -> Option<SlavePieces<2, f64>> {
+        let mut by: Vec<usize> = merged.pieces.iter().map(|piece| piece.0).collect();
+        by.sort_unstable();
+        by.dedup();
+        let (points, weights): (Vec<Vector<2>>, Vec<f64>) = self.sides.part_of_slave(merged.element, &by)?.into_iter().unzip();
+        let (mut here, mut covered) = (MapTable::new(), 0.0);
+        for (xi, _, ds) in merged.pieces.iter().flat_map(|piece| &piece.1) {
+            self.sides.slave.map.map(merged.element, &[*xi], Order::Gradients, &mut here);
+            covered += ds / cross(&here.jacobian[0]).norm();
+        }
+        let mut part = SlavePieces::new(merged.element);
+        let all = self.at(&points, &weights, &mut part);
+        (part.measure, part.lost) = (merged.measure, merged.lost);
+        (all && (weights.iter().sum::<f64>() - covered).abs() <= SAME_PART).then_some(part)
+    }
+
     fn at_own_points(&self, element: usize) -> SlavePieces<2, f64> {
-        let (sides, mut part) = (self.sides, SlavePieces::new(element));
-        let slave = sides.slave.map;
-        let rule = &self.rules[usize::from(slave.cell(element) == Cell::Simplex)];
+        let mut part = SlavePieces::new(element);
+        let rule = &self.rules[usize::from(self.sides.slave.map.cell(element) == Cell::Simplex)];
+        part.whole = self.at(&rule.points, &rule.weights, &mut part);
+        part
+    }
+
+    /// Appends points of the element of `part`, and their measure; returns whether all have partners.
+    fn at(&self, points: &[Vector<2>], weights: &[f64], part: &mut SlavePieces<2, f64>) -> bool {
+        let (sides, element) = (self.sides, part.element);
         let (mut here, mut table) = (MapTable::new(), MapTable::new());
-        slave.map(element, &rule.points, Order::Gradients, &mut here);
-        let ds: Vec<f64> = here.jacobian.iter().zip(&rule.weights).map(|(j, w)| cross(j).norm() * w).collect();
+        sides.slave.map.map(element, points, Order::Gradients, &mut here);
+        let ds: Vec<f64> = here.jacobian.iter().zip(weights).map(|(j, w)| cross(j).norm() * w).collect();
         part.measure = ds.iter().sum();
         let own_size = sides.slave.of(element).map(|s| sides.slave.list[s].size).fold(f64::INFINITY, f64::min);
-        let at = |q: usize| Own { x: here.x[q], normal: cross(&here.jacobian[q]), xi: rule.points[q], ds: ds[q] };
-        part.whole = sides.closest(own_size, (0..ds.len()).map(at), &mut part, &mut table);
-        part
+        let at = |q: usize| Own { x: here.x[q], normal: cross(&here.jacobian[q]), xi: points[q], ds: ds[q] };
+        sides.closest(own_size, (0..ds.len()).map(at), part, &mut table)
     }
 }
 
