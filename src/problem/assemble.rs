@@ -58,11 +58,29 @@ where
         let mut model = self.model(pressed)?;
         let fixed = self.fixed(&model)?;
         let members = self.memberships(&model);
+        some(self.build_slides(&mut model, &fixed, &members))?;
         let (ties, found) = self.explained_ties();
         model.findings.extend(found);
         some(self.build_ties(&ties, &mut model, &fixed, &members))?;
         some(self.build_contacts(&mut model, pressed, &fixed, &members))?;
         Ok(model)
+    }
+
+    /// Builds the rows of all curved sides that slide; returns what is wrong.
+    fn build_slides(&self, model: &mut Model<S, N>, fixed: &Eliminated, members: &TieCounts) -> Vec<ProblemError> {
+        let mut errors = Vec::new();
+        for slide in &self.said.slides {
+            match model.slide_part(slide, fixed, members) {
+                Ok(part) => {
+                    model.rows += part.num_rows();
+                    model.slides.push(part);
+                }
+                Err(error) => {
+                    errors.push(ProblemError::new(ErrorKind::Slide(error), vec![slide.of], vec![slide.side.label.clone()]));
+                }
+            }
+        }
+        errors
     }
 
     /// Builds all ties; returns what is wrong.
@@ -216,7 +234,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         (ties, found)
     }
 
-    /// Number of tied sides of every function, of couplings with rows: others constrain no functions.
+    /// Number of tied sides and curved sides that slide of every function; couplings without rows constrain no functions.
     pub(super) fn memberships(&self, model: &Model<S, N>) -> TieCounts {
         let mut members = TieCounts::default();
         for tie in self.ties.iter().filter(|t| t.own.coupling.has_rows()) {
@@ -228,6 +246,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 }
             }
         }
+        self.said.slides.iter().for_each(|slide| members.add(model, &slide.side));
         members
     }
 

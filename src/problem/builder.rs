@@ -248,7 +248,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let mut model = Model::new(bodies, glued, hinges);
         model.unknowns += pressed;
         model.findings.clone_from(&self.findings);
-        let Said { conditions, pins, supports, equations, held, rigid_sides, loads, point_loads, springs, foundations } = self.said.clone();
+        let Said { conditions, pins, supports, equations, held, slides: _, rigid_sides, loads, point_loads, springs, foundations } =
+            self.said.clone();
         (model.conditions, model.pins, model.supports) = (conditions, pins, supports);
         (model.equations, model.held, model.rigid_sides) = (equations, held, rigid_sides);
         (model.loads, model.point_loads, model.springs, model.foundations) = (loads, point_loads, springs, foundations);

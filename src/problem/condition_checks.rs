@@ -1,6 +1,7 @@
 //! Checks of what is prescribed and loaded together: components prescribed twice, loads on what is held, exact data without exact solution.
 
 use super::builder::Problem;
+use super::coupled::StatedOpponent;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::Statement;
 use super::model::{Action, BodySide, Condition, Value};
@@ -39,6 +40,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             }
         }
         let prescribed = self.check_twice(errors);
+        self.check_curved_slides(errors);
         self.check_loads_on_supports(&prescribed, errors);
         self.check_sides_as_one(errors);
         self.check_loads_on_points(errors);
@@ -84,6 +86,30 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             twice(before, pin.of, pin.component, &pin.rim.label);
         }
         first.into_iter().map(|(at, condition)| (at, condition.of)).collect()
+    }
+
+    /// Reports curved sides that slide where something else holds a facet of them: rows and values would hold the same displacement.
+    fn check_curved_slides(&self, errors: &mut Vec<ProblemError>) {
+        let mut beside: Vec<(Statement, &Arc<BodySide<S, N>>)> = Vec::new();
+        beside.extend(self.said.conditions.iter().map(|c| (c.of, &c.side)));
+        beside.extend(self.said.held.iter().map(|h| (h.of, &h.side)));
+        for tie in &self.ties {
+            let sides = tie.own.pairs.iter().flat_map(|pair| pair.masters.iter().chain([&pair.slave]));
+            beside.extend(sides.map(|side| (tie.id().into(), side)));
+        }
+        for contact in &self.contacts {
+            let masters = if let StatedOpponent::Sides(masters) = &contact.own.faced { masters.as_slice() } else { &[] };
+            beside.extend(contact.own.slaves.iter().chain(masters).map(|side| (contact.id().into(), side)));
+        }
+        for (k, slide) in self.said.slides.iter().enumerate() {
+            let own: HashSet<Facet<N>> = facets(&slide.side).collect();
+            let before = self.said.slides[..k].iter().map(|other| (other.of, &other.side));
+            let mut all = beside.iter().copied().chain(before);
+            if let Some((other, side)) = all.find(|(_, side)| facets(side).any(|facet| own.contains(&facet))) {
+                let names = vec![slide.side.label.clone(), side.label.clone()];
+                errors.push(ProblemError::new(ErrorKind::SlideBeside, vec![other, slide.of], names));
+            }
+        }
     }
 
     /// Reports loads and springs along components and directions that are held on all facets on which they act: they would act on supports

@@ -179,7 +179,7 @@ where
                 || slides.iter().any(|(f, d)| *f == function && (n - d * n.dot(d)).norm() < PERPENDICULAR)
         };
         // the normals of a moving obstacle change; a function that cannot move at one of the times is constrained
-        let turning = |n: usize| -> Vec<_> { times.iter().map(|&t| directions(slave, against, t, n)).collect() };
+        let turning = |n: usize| -> Vec<_> { times.iter().map(|&t| directions(slave, Some(against), t, n)).collect() };
         let normals = turning(2);
         // a function shared by two slave sides would get two multipliers: it counts as constrained
         let stuck = |function: usize| {

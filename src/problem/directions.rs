@@ -34,28 +34,30 @@ pub fn slides<const S: usize, const N: usize>(model: &Model<S, N>, side: &BodySi
 }
 
 /// The direction of contact of every function, where it is largest among `n` points per direction of each element that
-/// it does not vanish at: the normal of what is faced, the slave's own where nothing is. Two points are the corners.
+/// it does not vanish at: the normal of what is faced, the side's own where nothing is. Two points are the corners.
 pub fn directions<const S: usize, const N: usize>(
     side: &BodySide<S, N>,
-    against: &Opposing<S, N>,
+    against: Option<&Opposing<S, N>>,
     t: f64,
     n: usize,
 ) -> HashMap<usize, Vector<N>> {
     let (space, trace) = (&*side.trace.space, &side.trace);
     let mut other = MapTable::new();
     let (closest, target) = match against {
-        Opposing::Side(master, _) => (Some(ClosestPoint::new(master.trace.oriented())), None),
-        Opposing::Rigid(obstacle, _) => (None, Some(obstacle.target(t, None))),
+        Some(Opposing::Side(master, _)) => (Some(ClosestPoint::new(master.trace.oriented())), None),
+        Some(Opposing::Rigid(obstacle, _)) => (None, Some(obstacle.target(t, None))),
+        None => (None, None),
     };
     let mut facing = |x: &Vector<N>, own: &Vector<N>| match against {
-        Opposing::Rigid(..) => opposed(&**target.as_ref()?, x, own).map(|hit| hit.normal),
-        Opposing::Side(master, _) => {
+        Some(Opposing::Rigid(..)) => opposed(&**target.as_ref()?, x, own).map(|hit| hit.normal),
+        Some(Opposing::Side(master, _)) => {
             let closest = closest.as_ref()?;
             // beyond an end of the master its direction there counts
             let foot = closest.project_opposed(x, own, closest.size())?;
             master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut other);
             Some(master.trace.normal(foot.element, &other.jacobian[0]))
         }
+        None => None,
     };
     let (mut shapes, mut map, mut ids) = (ShapeTable::new(), MapTable::new(), Vec::new());
     let mut out: HashMap<usize, (f64, Vector<N>)> = HashMap::new();

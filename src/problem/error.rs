@@ -5,6 +5,7 @@ use super::interface_error::InterfaceError;
 use super::physics::PhysicsError;
 use super::revolution_error::RevolutionError;
 use crate::assembly::DirichletError;
+use crate::coupling::multiplier::MultiplierError;
 use crate::physics::MaterialError;
 use crate::space::{GlueError, SideError};
 use std::fmt::{Display, Formatter};
@@ -84,8 +85,12 @@ pub enum ErrorKind {
     NotASide,
     /// A force spread over sides, edges and corners together, which have no common measure.
     MixedRegion,
-    /// Sliding along a side that is curved.
-    NotPlanar,
+    /// Sliding along a side without a normal: a line or a point.
+    NoNormal,
+    /// A curved side that slides where other supports, ties or contacts hold the same facets.
+    SlideBeside,
+    /// A curved side that slides, and has too few elements for the conditions on it.
+    Slide(MultiplierError),
     /// A contact, a pressure, a weight or sliding in a problem of one component.
     Scalar,
     /// Prescribed values that contradict each other or do not exist.
@@ -248,7 +253,9 @@ impl Display for ProblemError {
             ErrorKind::MixedRegion => {
                 write!(f, "a force is spread over sides, over edges or over corners, not over `{one}` and `{other}` together")
             }
-            ErrorKind::NotPlanar => write!(f, "`{one}` is curved: bodies slide along planar sides only"),
+            ErrorKind::NoNormal => write!(f, "`{one}` is a line or a point and has no normal"),
+            ErrorKind::SlideBeside => write!(f, "`{one}` is curved and slides, and `{other}` holds facets of it, too"),
+            ErrorKind::Slide(error) => write!(f, "`{one}` is curved and slides: {error}"),
             ErrorKind::Scalar => write!(f, "\"{one}\" needs one component per coordinate"),
             ErrorKind::Prescribed { error, t, .. } => write!(f, "{error} (t = {t})"),
             ErrorKind::Contradiction { defect, t, .. } => {
@@ -309,6 +316,7 @@ impl std::error::Error for ProblemError {
             ErrorKind::Side(error) => error,
             ErrorKind::Prescribed { error, .. } => error,
             ErrorKind::Glue(error) => error,
+            ErrorKind::Slide(error) => error,
             ErrorKind::Interface { error, .. } => error,
             _ => return None,
         })

@@ -58,6 +58,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             let points = part.first.stiffness.as_ref().map_or(0, |stiffness| stiffness.entries.len());
             all.add_entries((points + part.first.rows.slave.entries.len() + part.first.rows.master.entries.len()) as f64);
         }
+        all.add_entries(self.slides.iter().map(|part| part.rows.entries.len()).sum::<usize>() as f64);
         if factor {
             let parts = self.contacts.iter().flat_map(|c| &c.parts);
             all.add_interface(parts.map(|part| part.first.rows.slave.rows).sum::<usize>() as f64);

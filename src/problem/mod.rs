@@ -30,6 +30,7 @@ mod corner_search;
 mod corners;
 mod coupled;
 mod coupling_balance;
+mod curved_slides;
 mod data;
 mod data_checks;
 mod deformation;

@@ -1,6 +1,6 @@
 //! Reactions of supports: forces on the bodies per side, edge and corner.
 
-use super::model::{BodySide, Model};
+use super::model::{BodySide, Model, SlidePart};
 use super::regions::RegionPart;
 use super::resultant::{Resultant, cross};
 use super::state::StepState;
@@ -53,7 +53,8 @@ impl<const S: usize, const N: usize> Reaction<S, N> {
 /// sides of an edge or a corner mostly are, the parts follow from F alone. Otherwise F = sum a_h d_h with the least
 /// sum a_h^2 / w_h, w_h the integral of the function over the side: sides that hold the same direction share in
 /// proportion to w, also those of glued patches, whose forces across seams cancel in the function that stands for all.
-/// The shares are equal where an edge or a corner takes part, or an integral is not positive.
+/// The shares are equal where an edge or a corner takes part, or an integral is not positive. The force on a curved side that slides is that of
+/// its multipliers, - ∫ lambda ds.
 pub fn reactions<const S: usize, const N: usize>(
     model: &Model<S, N>,
     state: &StepState<S, N>,
@@ -86,8 +87,14 @@ pub fn reactions<const S: usize, const N: usize>(
             }
         }
     }
+    let of_slide = |part: &SlidePart<S, N>| {
+        let sum = part.force(&state.lambda);
+        outside.sum(&sum);
+        (RegionPart::Side(part.side().clone()), sum.force[..n].to_vec())
+    };
+    let slides: Vec<_> = model.slides.iter().map(of_slide).collect();
     let mut all: Vec<Reaction<S, N>> = Vec::new();
-    for (on, force) in supports.into_iter().zip(forces) {
+    for (on, force) in supports.into_iter().zip(forces).chain(slides) {
         match all.iter_mut().find(|known| known.on.is(&on)) {
             Some(known) => known.force.iter_mut().zip(&force).for_each(|(s, f)| *s += f),
             None => all.push(Reaction { on, force }),

@@ -154,7 +154,8 @@ pub(super) fn point_forms<const S: usize, const N: usize>(
     forms
 }
 
-fn add(sum: &mut RigidForm, body: usize, own: &[f64; MOST], weight: f64) {
+/// Adds the modes of a body, times `weight`, to a form.
+pub(super) fn add(sum: &mut RigidForm, body: usize, own: &[f64; MOST], weight: f64) {
     let place = sum.iter().position(|t| t.0 == body).unwrap_or_else(|| {
         sum.push((body, [0.0; MOST]));
         sum.len() - 1

@@ -2,7 +2,8 @@
 
 use super::handles::Statement;
 use super::model::{
-    BodySide, Condition, Foundation, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value,
+    BodySide, Condition, CurvedSlide, Foundation, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring,
+    Value,
 };
 use super::regions::RegionPart;
 use crate::linalg::Vector;
@@ -18,6 +19,8 @@ pub(super) struct Said<const S: usize, const N: usize> {
     pub supports: Vec<Arc<BodySide<S, N>>>,
     pub equations: Vec<SaidEquation>,
     pub held: Vec<HeldSide<S, N>>,
+    /// Curved sides that slide.
+    pub slides: Vec<CurvedSlide<S, N>>,
     pub rigid_sides: Vec<RigidSides<S, N>>,
     pub loads: Vec<SideLoad<S, N>>,
     pub point_loads: Vec<PointLoad<N>>,
@@ -33,6 +36,7 @@ impl<const S: usize, const N: usize> Default for Said<S, N> {
             supports: Vec::new(),
             equations: Vec::new(),
             held: Vec::new(),
+            slides: Vec::new(),
             rigid_sides: Vec::new(),
             loads: Vec::new(),
             point_loads: Vec::new(),

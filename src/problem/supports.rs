@@ -1,5 +1,6 @@
 //! Rigid motions that are left when every contact is closed.
 
+use super::curved_slides::slide_forms;
 use super::data::Point;
 use super::model::{BodySide, ContactPart, Foundation, Model, SideSpring, TiePart};
 use super::rigid::{RemainingMotions, RigidForm, RigidModes, RigidRow, short};
@@ -232,6 +233,7 @@ pub fn rigid_forms<const S: usize, const N: usize>(
     }
     let mut forms: Vec<RigidForm> = rows.iter().map(|row| modes.form(row)).collect();
     forms.extend(model.held_by_symmetry(modes.num_bodies()));
+    forms.extend(model.slides.iter().flat_map(|part| slide_forms(model, &modes, bodies, part)));
     for part in model.ties.iter().flat_map(|t| &t.parts) {
         forms.extend(match ties {
             // functions may reach over parts that share none

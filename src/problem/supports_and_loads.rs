@@ -4,10 +4,13 @@ use super::builder::Problem;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError};
 use super::handles::{Components, Kind, Region, Statement, Unknown};
-use super::model::{Action, BodySide, HeldSide, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value};
+use super::model::{Action, BodySide, CurvedSlide, HeldSide, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value, tangents};
 use super::regions::RegionPart;
 use crate::assembly::{Equation, planar_normal};
+use crate::basis::Order;
+use crate::geometry::MapTable;
 use crate::linalg::Vector;
+use crate::quadrature::Quadrature;
 use std::sync::Arc;
 
 /// Components of a unit normal below this count as zero.
@@ -73,15 +76,16 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok(of)
     }
 
-    /// Prescribes n . u = 0 on a planar side with the normal n.
+    /// Prescribes n . u = 0 on a side with the normals n: in every function of a planar side; of a curved one as ∫ ψ n . u ds = 0 for all
+    /// functions ψ of the degree of the side, with the normals of its elements.
     ///
     /// # Errors
-    /// Those of [`fix`](Self::fix), [`ErrorKind::NotPlanar`], [`ErrorKind::NotASide`], [`ErrorKind::Scalar`].
+    /// Those of [`fix`](Self::fix), [`ErrorKind::NoNormal`], [`ErrorKind::NotASide`], [`ErrorKind::Scalar`].
     pub fn fix_normal<'a>(&mut self, on: impl Into<Region<'a>>) -> Result<Statement, ProblemError> {
         self.sliding(on.into(), true)
     }
 
-    /// Prescribes u - (n . u) n = 0 on a planar side with the normal n.
+    /// Prescribes u - (n . u) n = 0 on a side with the normals n, as [`fix_normal`](Self::fix_normal) prescribes n . u = 0.
     ///
     /// # Errors
     /// Those of [`fix_normal`](Self::fix_normal).
@@ -89,19 +93,22 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         self.sliding(on.into(), false)
     }
 
-    /// Conditions where the normal is an axis, equations elsewhere.
+    /// Conditions where the normal is an axis, equations along other planar sides, rows on curved ones.
     fn sliding(&mut self, on: Region<'_>, along_normal: bool) -> Result<Statement, ProblemError> {
         let sides = self.sides_of(on)?;
-        let mut normals = Vec::with_capacity(sides.len());
         for side in &sides {
-            if side.field.components == 1 {
-                return Err(ProblemError::named(ErrorKind::Scalar, &[&side.label]));
+            let kind = if side.field.components == 1 { ErrorKind::Scalar } else { ErrorKind::NoNormal };
+            if kind == ErrorKind::Scalar || !has_normal(side) {
+                return Err(ProblemError::named(kind, &[&side.label]));
             }
-            let normal = planar_normal(&side.trace);
-            normals.push(normal.ok_or_else(|| ProblemError::named(ErrorKind::NotPlanar, &[&side.label]))?);
         }
         let of = self.statement();
-        for (side, normal) in sides.iter().zip(normals) {
+        for side in &sides {
+            let Some(normal) = planar_normal(&side.trace) else {
+                self.said.slides.push(CurvedSlide { of, side: side.clone(), along_normal });
+                self.said.support(side);
+                continue;
+            };
             if let Some(axis) = (0..N).find(|&k| (normal[k].abs() - 1.0).abs() < PERPENDICULAR) {
                 for component in (0..N).filter(|&c| (c == axis) == along_normal) {
                     self.said.condition(of, &RegionPart::Side(side.clone()), component, Value::Zero);
@@ -261,17 +268,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 }
 
-/// Unit vectors perpendicular to `normal` and to each other.
-fn tangents<const N: usize>(normal: &Vector<N>) -> Vec<Vector<N>> {
-    let mut basis: Vec<Vector<N>> = vec![*normal];
-    for k in 0..N {
-        let mut v = Vector::<N>::from_fn(|i, _| f64::from(u8::from(i == k)));
-        for b in &basis {
-            v -= b * b.dot(&v);
-        }
-        if v.norm() > 0.1 && basis.len() < N {
-            basis.push(v / v.norm());
-        }
-    }
-    basis.split_off(1)
+/// Whether a side has a normal somewhere: it is no line and no point.
+fn has_normal<const S: usize, const N: usize>(side: &BodySide<S, N>) -> bool {
+    let (space, mut map) = (&*side.trace.space, MapTable::new());
+    (0..space.num_elements()).any(|e| {
+        space.map(e, &side.rules.rule(e).points, Order::Gradients, &mut map);
+        map.jacobian.iter().any(|jacobian| side.trace.normal(e, jacobian).norm() > 0.5)
+    })
 }

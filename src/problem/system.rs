@@ -1,4 +1,4 @@
-//! Rows of all ties and contacts as one system, and the initial guess of the closed contacts.
+//! Rows of all curved sides that slide, ties and contacts as one system, and the initial guess of the closed contacts.
 
 use super::guess::Guess;
 use super::model::Model;
@@ -44,6 +44,10 @@ impl<const S: usize, const N: usize> InterfaceSystem<S, N> {
         let (mut reaction, mut differs) = (empty(m, model.unknowns), false);
         let (mut offset, mut kind) = (vec![0.0; m], vec![RowKind::Equal; m]);
         let (mut guess, mut elements) = (Guess::new(model, t, before), Vec::new());
+        for part in &model.slides {
+            rows.slave.append_below(&part.rows, part.first_row);
+            reaction.slave.append_below(&part.rows, part.first_row);
+        }
         for part in model.ties.iter().flat_map(|tie| &tie.parts) {
             append(&mut rows, &part.rows, part.first_row);
             append(&mut reaction, part.reaction.as_ref().unwrap_or(&part.rows), part.first_row);

@@ -45,7 +45,7 @@ where
 /// Multipliers of the components, and the unstable pairing p/p-k (p, k) that they are under another name.
 type TieMultipliers<const S: usize> = (Vec<Box<dyn Basis<S>>>, Option<(usize, usize)>);
 
-/// Number of sides of tied interfaces on which each function of a body lies.
+/// Number of sides of tied interfaces, and of curved sides that slide, on which each function of a body lies.
 #[derive(Debug, Default)]
 pub struct TieCounts(HashMap<usize, usize>);
 
@@ -60,7 +60,7 @@ impl TieCounts {
         }
     }
 
-    /// Number of tied sides that contain `function` of `patch`, or one that is glued to it.
+    /// Number of these sides that contain `function` of `patch`, or one that is glued to it.
     pub fn count<const S: usize, const N: usize>(&self, model: &Model<S, N>, patch: usize, function: usize) -> usize {
         self.0.get(&model.function(patch, function)).copied().unwrap_or(0)
     }

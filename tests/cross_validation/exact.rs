@@ -49,6 +49,12 @@ impl Expr {
         self.mapped([c, -s, -c])
     }
 
+    /// One over it.
+    pub fn inverse(self) -> Self {
+        let v = self.value.recip();
+        self.mapped([v, -v * v, 2.0 * v * v * v])
+    }
+
     pub fn exp(self) -> Self {
         self.mapped([self.value.exp(); 3])
     }

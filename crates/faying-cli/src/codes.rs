@@ -150,7 +150,8 @@ pub const CODES: &[Code] = &[
         3,
         "over-constrained, or too few multipliers",
         "There are more multipliers than free unknowns of the slave side: a cross point where several interfaces end, too few elements, or a `fix` or `dirichlet` on the slave side itself. Use more elements on the slave side, exchange slave and master, or choose a smaller multiplier space. \
-         Or there are too few to hold a body: the rows of the multiplier leave a rigid motion that its points would not (one constant per component lets a body turn about the middle of the side); the message names it.",
+         Or there are too few to hold a body: the rows of the multiplier leave a rigid motion that its points would not (one constant per component lets a body turn about the middle of the side); the message names it. \
+         Or a curved side with `fix = [\"normal\"]` or `[\"tangential\"]` has too few elements between ends that are held.",
         "elements = [1, 4]      # one element on the slave side, both of its ends fixed",
         "use more elements on the slave side; where there are too many multipliers exchange slave and master or choose a smaller one such as \"p/p-2\", where there are too few a larger one such as \"p/p\".",
     ),
@@ -253,7 +254,8 @@ pub const CODES: &[Code] = &[
         3,
         "two conditions on one side and component",
         "Each component of a side has one kind of condition: prescribed once, or loaded. Loads along directions that are held act on supports alone. \
-         Sides that slide or move as one must agree with what is prescribed where they meet it. Both lines are named. \
+         Sides that slide or move as one must agree with what is prescribed where they meet it. A facet of a curved side that slides is held by nothing else: no other \
+         component, tie or contact. Both lines are named. \
          As a warning: prescribed values of two tied bodies differ in their common corner, and the multiplier there has to carry the jump.",
         "[[boundary]]\non = \"a.left\"\nfix = [\"x\"]\n[[boundary]]\non = \"a.left\"\ntraction = { x = 1.0 }",
         "keep one of the two blocks.",

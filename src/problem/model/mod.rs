@@ -3,6 +3,7 @@
 mod body;
 mod contact;
 mod imposed;
+mod slide;
 mod tie;
 
 pub use body::{BodyModel, BodyRim, BodySide};
@@ -10,6 +11,7 @@ pub use contact::{ContactModel, ContactPart, Opposing};
 pub use imposed::{
     Action, Condition, Foundation, HeldSide, PointCondition, PointLoad, RigidSides, SaidEquation, SideLoad, SideSpring, Value,
 };
+pub use slide::{CurvedSlide, SlidePart, tangents};
 pub use tie::{Pairing, TieModel, TiePart};
 
 use super::corners::SharedCorner;
@@ -44,6 +46,8 @@ pub struct Model<const S: usize, const N: usize> {
     pub equations: Vec<SaidEquation>,
     /// Sides held by equations.
     pub held: Vec<HeldSide<S, N>>,
+    /// Curved sides that slide, with their rows.
+    pub slides: Vec<SlidePart<S, N>>,
     /// Sides that move as one along an axis; their equations are among those above.
     pub rigid_sides: Vec<RigidSides<S, N>>,
     /// Loads on sides.
@@ -60,7 +64,7 @@ pub struct Model<const S: usize, const N: usize> {
     pub ties: Vec<TieModel<S, N>>,
     /// Contacts.
     pub contacts: Vec<ContactModel<S, N>>,
-    /// Rows of all interfaces and contacts.
+    /// Rows of all curved sides that slide, interfaces and contacts.
     pub rows: usize,
     /// Largest number of iterations of the active set.
     pub max_iterations: usize,
@@ -94,6 +98,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             supports: Vec::new(),
             equations: Vec::new(),
             held: Vec::new(),
+            slides: Vec::new(),
             rigid_sides: Vec::new(),
             loads: Vec::new(),
             point_loads: Vec::new(),
@@ -115,7 +120,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         self.glued.root(self.patches[patch].field.first / self.components + function)
     }
 
-    /// Number of multipliers: rows of all interfaces and contacts except those at points.
+    /// Number of multipliers: all rows except those of contacts at points.
     pub fn num_multipliers(&self) -> usize {
         let at_points = self.contacts.iter().flat_map(|c| &c.parts).filter(|part| part.multiplier.is_none());
         self.rows - at_points.map(|part| part.num_rows).sum::<usize>()

@@ -9,7 +9,7 @@ use crate::case::{Boundary, Components, Datum, SideRef};
 use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, SourceSpan};
-use faying::problem::{Data, ErrorKind, Problem, ProblemError, Region, RegionId, Statement, Value};
+use faying::problem::{self, Data, ErrorKind, Problem, ProblemError, Region, RegionId, Statement, Value};
 
 /// Says the conditions, loads and springs of all boundary blocks; errors go to the context's faults.
 pub(super) fn say<const S: usize, const N: usize>(
@@ -195,13 +195,14 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
     fn on_side(&mut self, side: RegionId) -> Result<(), Box<Diagnostic>> {
         let block = self.block;
         self.dirichlet(side)?;
-        if let Some(at) = block.fix_normal.as_ref().map(|f| f.at) {
-            let made = self.problem.fix_normal(side);
-            self.sliding(made, at, "normal")?;
-        }
-        if let Some(at) = block.fix_tangential.as_ref().map(|f| f.at) {
-            let made = self.problem.fix_tangential(side);
-            self.sliding(made, at, "tangential")?;
+        let sliding = match (&block.fix_normal, &block.fix_tangential) {
+            (Some(_), Some(both)) => Some((self.problem.fix(side, problem::Components::All), both.at)),
+            (Some(normal), None) => Some((self.problem.fix_normal(side), normal.at)),
+            (None, Some(tangential)) => Some((self.problem.fix_tangential(side), tangential.at)),
+            (None, None) => None,
+        };
+        if let Some((made, at)) = sliding {
+            self.keep(made, at, "the value", None)?;
         }
         for (component, datum) in each(&block.traction) {
             let (value, formula) = match &datum.value {
@@ -221,15 +222,6 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
             self.named(made, f, "the spring")?;
         }
         Ok(())
-    }
-
-    fn sliding(&mut self, made: Result<Statement, ProblemError>, at: SourceSpan, word: &str) -> Result<(), Box<Diagnostic>> {
-        if let Err(ProblemError { kind: ErrorKind::NotPlanar, .. }) = &made {
-            let label = made.as_ref().err().map_or_else(String::new, |e| e.names()[0].clone());
-            let text = format!("fix = [\"{word}\"] needs a planar side; `{label}` is curved");
-            return Err(Box::new(self.error("E015", text, at).with_help("prescribe components x, y on curved sides")));
-        }
-        self.keep(made, at, "the value", None).map(|_| ())
     }
 
     /// Says the resultants, spread evenly over all sides, edges or corners of the block, and that sides move as one.

@@ -108,6 +108,7 @@ fn fault<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, place
         ErrorKind::NotFinite { .. } | ErrorKind::TooLarge { .. } | ErrorKind::Negative { .. } => {
             data_fault::<S, N>(context, places, error, at)
         }
+        ErrorKind::Slide(_) => context.error("E024", error.to_string(), at).with_help("refine the side, or fix all of its components"),
         ErrorKind::Glue(of_sides) => glue::fault(context, at, error.names(), of_sides),
         ErrorKind::SlaveTwice => {
             let first = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(": in line {line} already"));
@@ -184,6 +185,10 @@ fn held<const S: usize, const N: usize>(
             let text =
                 format!("`{own}` moves as one along {name}, which `{other}`{line} prescribes in a part of it: the force has no effect");
             (text, "prescribe the component of the side itself, or leave it free where both sides meet")
+        }
+        ErrorKind::SlideBeside => {
+            let text = format!("`{own}` is curved and slides, and `{other}`{} holds facets of it, too", line(0, " (line ", ")"));
+            (text, "hold each facet of a curved side once: all components, its normals, or its tangents")
         }
         ErrorKind::Contradiction { defect, t, changes } => {
             let others = error.names().iter().skip(1).enumerate().map(|(k, name)| format!("`{name}`{}", line(k, " (line ", ")")));
