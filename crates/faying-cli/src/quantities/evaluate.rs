@@ -82,6 +82,7 @@ pub fn evaluate<const S: usize, const N: usize>(prepared: &Prepared<S, N>, solut
         }
         Prepared::FunctionSpace(field, bodies, reduce) => over(solution, field, bodies, *reduce),
         Prepared::SideForce(sides, component) => finite(sides.iter().map(|side| side_force(solution, side, *component)).sum()),
+        Prepared::Cut(cut) => finite(cut.value(solution)),
         Prepared::Lambda(spot, component) => finite(lambda(solution, spot, *component)),
         Prepared::Pressure(spot, pressure) => {
             let lambda = lambda(solution, spot, 0);

@@ -1,6 +1,8 @@
 //! The grammar of quantities: `u.y at [1.0, 0.5] in upper`, `stress.yy.max`, `contact.pad.force.y`.
 
+use super::cut::{self, CutSum};
 use super::fields::FieldName;
+use super::later::later;
 
 /// Point at which a field is evaluated.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,6 +63,8 @@ pub enum QuantityKind {
     SideMeasure(String),
     /// A component of the force of the stresses on a side (elasticity), or the flux through it (`None`).
     SideForce(String, Option<usize>),
+    /// A sum over a straight cut between two points; the patch: `None` for all.
+    Cut(CutSum, [Vec<String>; 2], Option<String>),
     /// The inf-sup constant of a multiplier, found by studies.
     Beta(String),
     /// The rate of a quantity, found by studies.
@@ -118,7 +122,7 @@ pub fn parts(path: &str) -> Result<Vec<String>, GrammarError> {
 }
 
 /// Finds the first `word` that stands alone, outside brackets and quotes.
-fn keyword(text: &str, word: &str) -> Option<usize> {
+pub(super) fn keyword(text: &str, word: &str) -> Option<usize> {
     let bytes = text.as_bytes();
     let (mut depth, mut quoted) = (0i32, false);
     for (k, &b) in bytes.iter().enumerate() {
@@ -138,7 +142,7 @@ fn keyword(text: &str, word: &str) -> Option<usize> {
     None
 }
 
-fn coordinates(text: &str) -> Result<Vec<String>, GrammarError> {
+pub(super) fn coordinates(text: &str) -> Result<Vec<String>, GrammarError> {
     let inner = text.strip_prefix('[').and_then(|t| t.strip_suffix(']'));
     let Some(inner) = inner else { return wrong(format!("`{text}` is no point; write at [x, y], in space [x, y, z]")) };
     let (mut list, mut item, mut depth) = (Vec::new(), String::new(), 0i32);
@@ -162,7 +166,7 @@ fn coordinates(text: &str) -> Result<Vec<String>, GrammarError> {
 }
 
 /// The axes of two letters x, y, z.
-fn axes(letters: &str) -> Option<(usize, usize)> {
+pub(super) fn axes(letters: &str) -> Option<(usize, usize)> {
     let list: Vec<Option<usize>> = letters.chars().map(|l| axis(&l.to_string())).collect();
     match list.as_slice() {
         [Some(i), Some(j)] => Some((*i, *j)),
@@ -173,20 +177,6 @@ fn axes(letters: &str) -> Option<(usize, usize)> {
 /// Radial 0 and tangential 1 of the letters r, t.
 fn polar(letters: &str) -> Option<Vec<usize>> {
     letters.chars().map(|l| ['r', 't'].iter().position(|&known| known == l)).collect()
-}
-
-/// Substitute for a quantity of the contract that this version lacks; `None` for every other path.
-fn later(path: &[String]) -> Option<&'static str> {
-    let words: Vec<&str> = path.iter().map(String::as_str).collect();
-    let words = words.strip_suffix(&["gauss"]).unwrap_or(&words);
-    match words.strip_suffix(&["min"]).or_else(|| words.strip_suffix(&["max"])).unwrap_or(words) {
-        ["nominal", c] if axes(c).is_some() => Some("under small kinematics it is the stress: stress.xx, stress.yy, stress.xy"),
-        ["newton", "iterations" | "rate"] => Some("it belongs to finite kinematics: small ones need no Newton iteration"),
-        ["stretch", _, .., "least"] => Some("it belongs to finite kinematics: displacements and rotations are small here"),
-        ["contact", _, "friction", c] if axis(c).is_some() => Some("contact is frictionless here: leave it out"),
-        ["contact", _, "stick" | "slip" | "dissipated"] => Some("contact is frictionless here: leave it out"),
-        _ => None,
-    }
 }
 
 fn field(head: &[String]) -> Result<Option<FieldName>, GrammarError> {
@@ -262,6 +252,10 @@ impl Quantity {
             }
             None => (trimmed, None),
         };
+        if let Some(k) = keyword(before, "cut") {
+            let (sum, ends) = cut::parse(before[..k].trim(), before[k + 4..].trim())?;
+            return Ok(Self { text: text.to_string(), kind: QuantityKind::Cut(sum, ends, patch) });
+        }
         // either may stand first
         let (before, centre, last) = match (keyword(before, "at"), keyword(before, "about")) {
             (Some(at), Some(about)) if about > at => (before[..about].trim(), before[about + 6..].trim(), ""),

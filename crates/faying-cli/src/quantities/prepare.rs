@@ -1,5 +1,6 @@
 //! Preparation of quantities with the model, before anything is solved: names, components, points.
 
+use super::cut::PreparedCut;
 use super::fields::{FieldAbout, FieldName};
 use super::grammar::{At, Quantity, QuantityKind, Reduce};
 use super::locate::{Locators, Spot};
@@ -43,6 +44,8 @@ pub enum Prepared<const S: usize, const N: usize> {
     FunctionSpace(FieldAbout<N>, Vec<usize>, Reduce),
     /// The force of the stresses on sides (patch, name), one component.
     SideForce(Vec<(usize, String)>, usize),
+    /// A sum over a straight cut.
+    Cut(PreparedCut<N>),
     /// lambda of an interface at a place, one component.
     Lambda(SideSpot<S>, usize),
     /// Pressure (true) or lambda of a contact at a place.
@@ -60,7 +63,7 @@ pub enum Prepared<const S: usize, const N: usize> {
 pub struct Preparer<'a, const S: usize, const N: usize> {
     pub(super) case: &'a Case,
     pub(super) contents: Contents<'a, S, N>,
-    locators: &'a Locators<'a, S, N>,
+    pub(super) locators: &'a Locators<'a, S, N>,
     skeleton: &'a Value,
 }
 
@@ -96,6 +99,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             QuantityKind::Path(path) => self.path(text, path, at),
             QuantityKind::SideMeasure(side) => self.side_measure(text, &side, at),
             QuantityKind::SideForce(side, component) => self.side_force(text, &side, component, at),
+            QuantityKind::Cut(sum, ends, patch) => self.cut(text, (sum, ends), &self.bodies_of(patch.as_deref(), at)?, at),
             QuantityKind::Multiplier { pressure, name, component, at: place } => {
                 if self.contents.ties().any(|t| t.name() == name) {
                     self.lambda(text, &name, component, &place, at)
@@ -106,10 +110,7 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             QuantityKind::Field { field, about, at: place, patch, reduce } => {
                 self.field_exists(text, field, at)?;
                 let field = FieldAbout { name: field, about: self.centre(text, about, at)? };
-                let bodies = match &patch {
-                    Some(name) => self.bodies(name, at)?,
-                    None => (0..self.contents.bodies().len()).collect(),
-                };
+                let bodies = self.bodies_of(patch.as_deref(), at)?;
                 match (&place, reduce, both) {
                     (At::Everywhere, Reduce::None, false) => Err(Box::new(
                         Diagnostic::error("E018", format!("`{text}` is a field; a quantity is one number"))
@@ -158,8 +159,9 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         }
     }
 
-    /// Returns the patches that a name stands for: one, or all those of a file.
-    fn bodies(&self, name: &str, at: SourceSpan) -> Result<Vec<usize>, Box<Diagnostic>> {
+    /// Returns the patches that a name stands for: one, or all those of a file; without a name all.
+    fn bodies_of(&self, name: Option<&str>, at: SourceSpan) -> Result<Vec<usize>, Box<Diagnostic>> {
+        let Some(name) = name else { return Ok((0..self.contents.bodies().len()).collect()) };
         let found = self.case.find_patches(name);
         if found.is_empty() { Ok(vec![self.patch(name, at)?]) } else { Ok(found) }
     }

@@ -81,6 +81,12 @@ pub const QUANTITIES: &[QuantityRow] = &[
         "force",
         "force.lower.top.y",
     ),
+    row(
+        "force.x cut",
+        "force of the stresses over a straight cut of the plane, ∫ sigma n ds, n to the right of the way from the first point to the second: what the part there does to the other; moment cut about the origin, flux cut in Poisson's equation",
+        "force",
+        "force.x cut [0.5, 0] to [0.5, 1] in lower",
+    ),
     row("balance.force.x", "sum of all external forces and reactions: zero up to rounding", "force", "balance.force.y"),
     row("area.PATCH", "area of a patch in the plane, volume.PATCH in space", "length^2", "area.lower"),
     row("length.PATCH.SIDE", "length of a side in the plane, area.PATCH.SIDE in space", "length", "length.lower.top"),

@@ -3,5 +3,6 @@
 
 mod along_lines;
 mod asked_steps;
+mod cuts;
 mod parts_of_sides;
 mod quantities;
