@@ -57,7 +57,7 @@ pub(crate) fn map_ranges<R: Send>(count: usize, size: usize, of: impl Fn(Range<u
     map_each((0..count.div_ceil(size)).map(|piece| piece * size..((piece + 1) * size).min(count)), of)
 }
 
-/// How many of `count` items of similar cost make a task; at least one.
+/// Number of items of similar cost that make a task, of `count` in all; at least one.
 pub(crate) fn piece_size(count: usize) -> usize {
     let threads = rayon::current_num_threads();
     count.div_ceil(if threads == 1 { 1 } else { PIECES_PER_THREAD * threads }).max(1)

@@ -65,21 +65,13 @@ impl Display for Warning {
                 "mixed integration of {of} with a multiplier of degree {multiplier} on {slave} of degree {degree}: errors of u fall with order 2"
             ),
             Self::HardlyHeld { of, motions, share } => {
-                let motions = motions.join(", ");
-                write!(
-                    f,
-                    "{of} is held in {motions} only by springs {} as stiff as the bodies: round-off grows accordingly",
-                    digits(*share)
-                )
+                let (motions, share) = (motions.join(", "), digits(*share));
+                write!(f, "{of} is held in {motions} only by springs {share} as stiff as the bodies: round-off grows accordingly")
             }
             Self::FluxJump { of, x, share } => {
                 write!(f, "the flux of the exact solution jumps in {of} at {} by {} of its largest", place(x), percent(*share))
             }
-            Self::FacetsApart(FacetsApart { sides, mean, greatest, explained, is_tied }) => {
-                let tied = if *is_tied { "they are tied because they are named" } else { "they are not tied" };
-                let [mean, greatest, explained] = [mean, greatest, explained].map(|x| digits(*x));
-                write!(f, "{} are {mean} apart on average, up to {greatest}; faceting would explain {explained}: {tied}", sides.join(", "))
-            }
+            Self::FacetsApart(found) => facets_apart(found, f),
             Self::Inexact(found) => inexact(found, f),
             Self::Integration { of, error } => {
                 write!(f, "the integration of {of} is inexact: its consistency error is {}", percent(*error))
@@ -104,18 +96,8 @@ impl Display for Warning {
                 "pieces of integration of {of} lose a part of {elements} elements that face the opponent, the first at {}",
                 place(&[*x, *y, *z])
             ),
-            Self::SoftPenalty { of, apart, size, moved } => {
-                let word = if of.kind == SubjectKind::Contact { "deep in each other" } else { "apart in the mean" };
-                let [apart, size, moved] = [apart, size, moved].map(|x| digits(*x));
-                write!(f, "the penalty of {of} is soft: bodies are {apart} {word}, of a size of {size} and displacements up to {moved}")
-            }
-            Self::CoarseTie { of, apart, moved } => {
-                let [apart, moved] = [apart, moved].map(|x| digits(*x));
-                write!(
-                    f,
-                    "{of} is too coarse: its sides come apart by {apart} between the functions of its multiplier, of displacements up to {moved}"
-                )
-            }
+            Self::SoftPenalty { of, apart, size, moved } => soft_penalty(of, [*apart, *size, *moved].map(digits), f),
+            Self::CoarseTie { of, apart, moved } => coarse_tie(of, [*apart, *moved].map(digits), f),
             Self::GapPressure { of, pressure, from_gap, gap, x } => {
                 let [pressure, from_gap, gap] = [pressure, from_gap, gap].map(|v| digits(*v));
                 write!(f, "pressures of {of} at points are not the stress: at {} {from_gap} of {pressure} is from a gap of {gap}", place(x))
@@ -127,6 +109,21 @@ impl Display for Warning {
             Self::Kinematics { of, strain, rotation, allowed } => kinematics(of, [strain, rotation], *allowed, f),
         }
     }
+}
+
+fn facets_apart(FacetsApart { sides, mean, greatest, explained, is_tied }: &FacetsApart, f: &mut Formatter<'_>) -> Result {
+    let tied = if *is_tied { "they are tied because they are named" } else { "they are not tied" };
+    let [mean, greatest, explained] = [mean, greatest, explained].map(|x| digits(*x));
+    write!(f, "{} are {mean} apart on average, up to {greatest}; faceting would explain {explained}: {tied}", sides.join(", "))
+}
+
+fn soft_penalty(of: &Subject, [apart, size, moved]: [String; 3], f: &mut Formatter<'_>) -> Result {
+    let word = if of.kind == SubjectKind::Contact { "deep in each other" } else { "apart in the mean" };
+    write!(f, "the penalty of {of} is soft: bodies are {apart} {word}, of a size of {size} and displacements up to {moved}")
+}
+
+fn coarse_tie(of: &Subject, [apart, moved]: [String; 2], f: &mut Formatter<'_>) -> Result {
+    write!(f, "{of} is too coarse: its sides come apart by {apart} between the functions of its multiplier, of displacements up to {moved}")
 }
 
 fn kinematics(of: &Subject, beyond: [&Option<Beyond>; 2], allowed: f64, f: &mut Formatter<'_>) -> Result {

@@ -21,7 +21,7 @@ const POINT: f64 = 1e-12;
 /// Distance from a body relative to the size of the model within which a point is in it.
 const IN: f64 = 1e-12;
 
-/// What is summed over a cut.
+/// Sums over a cut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CutSum {

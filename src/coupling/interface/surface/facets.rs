@@ -16,7 +16,11 @@ use crate::basis::{Cell, Order};
 use crate::coupling::CouplingError;
 use crate::geometry::{Bounds, Geometry, MapTable, cross, unit_normal};
 use crate::linalg::{Matrix, Vector, inverse};
+use crate::parallel;
+use std::ops::Range;
 
+/// Elements handed to one task at a time.
+const ELEMENTS_PER_TASK: usize = 256;
 /// A side shorter than this share of the longest one is a point.
 const COLLAPSED: f64 = 1e-12;
 /// Local coordinates outside of a facet that are rounding.
@@ -67,8 +71,19 @@ impl<'a> Facets<'a> {
     /// [`CouplingError::Missing`] for a cell of which two sides are points.
     pub fn new(map: &'a dyn Geometry<2, 3>) -> Result<Self, CouplingError> {
         let mut facets = Self { map, list: Vec::new(), start: vec![0] };
+        for own in parallel::map_ranges(map.num_elements(), ELEMENTS_PER_TASK, |elements| Self::of_elements(map, elements)) {
+            let (own, first) = (own?, facets.list.len());
+            facets.list.extend(own.list);
+            facets.start.extend(own.start[1..].iter().map(|k| first + k));
+        }
+        Ok(facets)
+    }
+
+    /// The facets of some elements, their places counted from the first of these.
+    fn of_elements(map: &'a dyn Geometry<2, 3>, elements: Range<usize>) -> Result<Self, CouplingError> {
+        let mut facets = Self { map, list: Vec::new(), start: vec![0] };
         let mut table = MapTable::new();
-        for element in 0..map.num_elements() {
+        for element in elements {
             for (origin, axes) in parts(map, element, &mut table) {
                 let polygon = polygon_of(map.cell(element));
                 let whole = origin == Vector::<2>::zeros() && axes == Matrix::<2, 2>::identity();
@@ -153,7 +168,7 @@ impl<'a> Facets<'a> {
     }
 
     /// The facets of an element.
-    pub fn of(&self, element: usize) -> std::ops::Range<usize> {
+    pub fn of(&self, element: usize) -> Range<usize> {
         self.start[element]..self.start[element + 1]
     }
 

@@ -14,6 +14,7 @@ use super::facets::Facets;
 use crate::basis::Order;
 use crate::geometry::{Bounds, MapTable, Tree, unit_normal};
 use crate::linalg::Vector;
+use crate::parallel;
 use std::collections::HashMap;
 
 /// Corners closer than this share of the shorter facet are one vertex.
@@ -76,20 +77,29 @@ impl Skeleton {
             part: Vec::new(),
         };
         skeleton.walk(facets.list.len());
-        for (f, facet) in facets.list.iter().enumerate() {
-            for k in 0..facet.polygon.sides() {
-                let normal = facets.normal_at_corner(f, k, &mut table) * skeleton.sign[f];
-                facets.at(f, &[facet.polygon.corner(k)], Order::Values, &mut table);
-                let vertex = &mut skeleton.vertices[skeleton.corners[f][k]];
-                (vertex.x, vertex.normal) = (table.x[0], vertex.normal + normal);
+        let at_corner = |table: &mut MapTable<2, 3>, f: usize, k: usize| {
+            let normal = facets.normal_at_corner(f, k, table);
+            facets.at(f, &[facets.list[f].polygon.corner(k)], Order::Values, table);
+            Vertex { x: table.x[0], normal }
+        };
+        let of_facet = |table: &mut MapTable<2, 3>, f: usize| {
+            let mut own = [Vertex { x: Vector::zeros(), normal: Vector::zeros() }; 4];
+            (0..facets.list[f].polygon.sides()).for_each(|k| own[k] = at_corner(table, f, k));
+            own
+        };
+        for (f, own) in parallel::map_init(facets.list.len(), MapTable::new, of_facet).iter().enumerate() {
+            for (&id, corner) in skeleton.corners[f].iter().zip(own).take(facets.list[f].polygon.sides()) {
+                let vertex = &mut skeleton.vertices[id];
+                (vertex.x, vertex.normal) = (corner.x, vertex.normal + corner.normal * skeleton.sign[f]);
             }
         }
         for vertex in &mut skeleton.vertices {
             let length = vertex.normal.norm();
             vertex.normal /= if length > 1e-6 { length } else { 1.0 };
         }
-        for e in 0..skeleton.edges.len() {
-            skeleton.classify(facets, e, &mut table);
+        let kinds = parallel::map_init(skeleton.edges.len(), MapTable::new, |table, e| skeleton.kind(facets, e, table));
+        for (edge, kind) in skeleton.edges.iter_mut().zip(kinds) {
+            (edge.straight, edge.smooth, edge.means) = kind;
         }
         skeleton
     }
@@ -154,14 +164,16 @@ impl Skeleton {
         sum / if length > 1e-6 { length } else { 1.0 }
     }
 
-    /// Finds whether an edge is straight and smooth, and its mean normals at the ends.
-    fn classify(&mut self, facets: &Facets<'_>, e: usize, table: &mut MapTable<2, 3>) {
+    /// Whether an edge is straight, whether it is smooth, and its mean normals at the ends.
+    fn kind(&self, facets: &Facets<'_>, e: usize, table: &mut MapTable<2, 3>) -> (bool, bool, [Vector<3>; 2]) {
         let means = [0.0, 1.0].map(|t| self.mean(facets, e, t, table));
         let ends = self.edges[e].vertices.map(|v| self.vertices[v]);
         let (mut apart, mut bent) = (0.0f64, 0.0f64);
         let chord = ends[1].x - ends[0].x;
-        for i in 0..=8 {
-            let t = f64::from(i) / 8.0;
+        // normals of affine facets are constant and their sides straight
+        let parts = if self.edges[e].at.iter().all(|at| facets.list[at.0].affine) { 1 } else { 8 };
+        for i in 0..=parts {
+            let t = f64::from(i) / f64::from(parts);
             let mean = self.mean(facets, e, t, table);
             for &at in &self.edges[e].at {
                 apart = apart.max((self.facet_normal(facets, at, t, table) - mean).norm());
@@ -174,10 +186,7 @@ impl Skeleton {
             apart = apart.max((mean - end.normal).norm());
         }
         let far = ends[0].x.norm() / chord.norm();
-        let edge = &mut self.edges[e];
-        edge.smooth = apart <= SMOOTH;
-        edge.straight = apart.max(bent) <= STRAIGHT * (1.0 + far);
-        edge.means = means;
+        (apart.max(bent) <= STRAIGHT * (1.0 + far), apart <= SMOOTH, means)
     }
 
     /// Position and unit normal at t of an edge.
@@ -214,6 +223,12 @@ fn merged_corners(facets: &Facets<'_>, table: &mut MapTable<2, 3>) -> Vec<[usize
         size_at.extend(points.iter().map(|_| facet.size * SAME_VERTEX));
     }
     let tree = Tree::new(places.iter().map(|x| Bounds { lo: *x, hi: *x }).collect());
+    let floor = |a: usize| places[a].amax() * 1e-14;
+    let near = parallel::map(places.len(), |a| {
+        let mut near = tree.meeting(&tree.item(a).inflated(size_at[a] + floor(a)));
+        near.retain(|&b| b > a && (places[a] - places[b]).norm() <= size_at[a].min(size_at[b]) + floor(a));
+        near
+    });
     let mut root: Vec<usize> = (0..places.len()).collect();
     fn find(root: &mut [usize], mut k: usize) -> usize {
         while root[k] != k {
@@ -222,13 +237,10 @@ fn merged_corners(facets: &Facets<'_>, table: &mut MapTable<2, 3>) -> Vec<[usize
         }
         k
     }
-    for a in 0..places.len() {
-        let floor = places[a].amax() * 1e-14;
-        for b in tree.meeting(&tree.item(a).inflated(size_at[a] + floor)) {
-            if b > a && (places[a] - places[b]).norm() <= size_at[a].min(size_at[b]) + floor {
-                let (ra, rb) = (find(&mut root, a), find(&mut root, b));
-                root[ra.max(rb)] = ra.min(rb);
-            }
+    for (a, near) in near.into_iter().enumerate() {
+        for b in near {
+            let (ra, rb) = (find(&mut root, a), find(&mut root, b));
+            root[ra.max(rb)] = ra.min(rb);
         }
     }
     let (mut number, mut count, mut at) = (vec![usize::MAX; places.len()], 0, 0);

@@ -43,6 +43,38 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
             );
             ("E065", text, block(of.number), help)
         }
+        Warning::HardlyHeld { motions, share, .. } => {
+            let springs = case.boundaries.iter().find(|b| b.spring.iter().any(Option::is_some)).map(|b| b.head.at);
+            let foundation = || [&case.model.foundation, &case.patches[of.number].foundation].into_iter().flatten().flatten().next();
+            let held_by = springs.or_else(|| foundation().map(|f| f.at));
+            let text = format!(
+                "body \"{name}\" is held in {} only by springs {} as stiff as the body: round-off grows accordingly",
+                motions.join(", "),
+                crate::table::short(*share, 2)
+            );
+            let help = "fix the motion, or make the springs stiffer where they stand for a support";
+            ("E051", text, held_by.unwrap_or(block(of.number)), help.into())
+        }
+        Warning::FluxJump { x, share, .. } => {
+            let where_ = if of.kind == SubjectKind::Body { "inside patch" } else { "across interface" };
+            let text = format!(
+                "the flux of `exact` jumps {where_} \"{name}\": at {} by {} % of its largest; the source that follows from it lacks the jump",
+                place(x),
+                percent(*share)
+            );
+            let help = "a solution has a continuous flux (sigma n, k du/dn) across every line inside and every tie; choose the pieces so that it is, \
+                        or give source and data instead of `exact`";
+            ("E017", text, case.exact_at()?, help.into())
+        }
+        _ => of_slave(case, of, warning)?,
+    };
+    Some(Diagnostic::warning(code, text).at(&case.source, at).with_help(help))
+}
+
+/// Code, text, place and help of a warning about the slave side of a tie or a contact.
+fn of_slave(case: &Case, of: &Subject, warning: &Warning) -> Option<(&'static str, String, SourceSpan, String)> {
+    let name = &of.name;
+    Some(match warning {
         Warning::PartUncovered { slave, share, .. } => (
             "E025",
             format!(
@@ -81,35 +113,11 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
             integration_at(case, of)?,
             "write multiplier = \"p/p\", or integration = \"merged\"".into(),
         ),
-        Warning::HardlyHeld { motions, share, .. } => {
-            let springs = case.boundaries.iter().find(|b| b.spring.iter().any(Option::is_some)).map(|b| b.head.at);
-            let foundation = || [&case.model.foundation, &case.patches[of.number].foundation].into_iter().flatten().flatten().next();
-            let held_by = springs.or_else(|| foundation().map(|f| f.at));
-            let text = format!(
-                "body \"{name}\" is held in {} only by springs {} as stiff as the body: round-off grows accordingly",
-                motions.join(", "),
-                crate::table::short(*share, 2)
-            );
-            let help = "fix the motion, or make the springs stiffer where they stand for a support";
-            ("E051", text, held_by.unwrap_or(block(of.number)), help.into())
-        }
-        Warning::FluxJump { x, share, .. } => {
-            let where_ = if of.kind == SubjectKind::Body { "inside patch" } else { "across interface" };
-            let text = format!(
-                "the flux of `exact` jumps {where_} \"{name}\": at {} by {} % of its largest; the source that follows from it lacks the jump",
-                place(x),
-                percent(*share)
-            );
-            let help = "a solution has a continuous flux (sigma n, k du/dn) across every line inside and every tie; choose the pieces so that it is, \
-                        or give source and data instead of `exact`";
-            ("E017", text, case.exact_at()?, help.into())
-        }
         _ => return None,
-    };
-    Some(Diagnostic::warning(code, text).at(&case.source, at).with_help(help))
+    })
 }
 
-/// What makes the facets of a contact finer: those of files are as they are read.
+/// Ways to finer facets of a contact: those of files are as they are read.
 fn facets_help(case: &Case, contact: usize) -> &'static str {
     let contact = &case.contacts[contact];
     let masters = if let Master::Sides(list) = &contact.master { &list[..] } else { &[] };
@@ -126,12 +134,12 @@ fn tie<'c>(case: &'c Case, name: &str) -> Option<&'c Tie> {
     case.interfaces.iter().find(|tie| tie.name.value == name)
 }
 
-/// Where the multiplier of a tie or a contact is written.
+/// The place of the multiplier of a tie or a contact.
 fn multiplier_at(case: &Case, of: &Subject) -> Option<SourceSpan> {
     if of.kind == SubjectKind::Contact { Some(case.contacts[of.number].multiplier.at) } else { Some(tie(case, &of.name)?.multiplier.at) }
 }
 
-/// Where the integration of a tie or a contact is written.
+/// The place of the integration of a tie or a contact.
 fn integration_at(case: &Case, of: &Subject) -> Option<SourceSpan> {
     if of.kind == SubjectKind::Contact { Some(case.contacts[of.number].integration.at) } else { Some(tie(case, &of.name)?.integration.at) }
 }

@@ -90,23 +90,7 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             ),
             "move the bodies together, or fill the gap with a body",
         ),
-        Warning::SoftPenalty { apart, size, moved, .. } => {
-            // a hundredth of the size and a tenth of the displacement are told: of both the one that is passed by more
-            let (of_what, whole) = if 10.0 * moved >= *size { ("their size", size) } else { ("their largest displacement", moved) };
-            let [depth, share, whole] = [short(*apart), percent(apart / whole), short(*whole)];
-            let (text, help) = if of.kind == SubjectKind::Contact {
-                let text = format!(
-                    "the penalty of contact \"{name}\" is soft: bodies sink into each other by {depth}, {share} % of {of_what}, {whole}"
-                );
-                (text, "raise `factor` (or what the method has in its place), or write method = \"lagrange\" or \"augmented\"")
-            } else {
-                let text = format!(
-                    "the penalty of interface \"{name}\" is soft: its sides come apart by {depth} on average, {share} % of {of_what}, {whole}"
-                );
-                (text, "raise `factor`, or write coupling = \"mortar\"")
-            };
-            (text, help)
-        }
+        Warning::SoftPenalty { apart, size, moved, .. } => soft_penalty(of, *apart, *size, *moved),
         Warning::CoarseTie { apart, moved, .. } => (
             format!(
                 "interface \"{name}\" is too coarse: between the functions of its multiplier its sides come apart by {} on average, {} % of \
@@ -140,6 +124,25 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
         ),
         _ => return None,
     })
+}
+
+/// Text and help where bodies sink into each other by `apart`, or sides of a tie come apart by it.
+fn soft_penalty(of: &Subject, apart: f64, size: f64, moved: f64) -> (String, &'static str) {
+    let name = &of.name;
+    // a hundredth of the size and a tenth of the displacement are told: of both the one that is passed by more
+    let (of_what, whole) = if 10.0 * moved >= size { ("their size", size) } else { ("their largest displacement", moved) };
+    let [depth, share, whole] = [short(apart), percent(apart / whole), short(whole)];
+    let (text, help) = if of.kind == SubjectKind::Contact {
+        let text =
+            format!("the penalty of contact \"{name}\" is soft: bodies sink into each other by {depth}, {share} % of {of_what}, {whole}");
+        (text, "raise `factor` (or what the method has in its place), or write method = \"lagrange\" or \"augmented\"")
+    } else {
+        let text = format!(
+            "the penalty of interface \"{name}\" is soft: its sides come apart by {depth} on average, {share} % of {of_what}, {whole}"
+        );
+        (text, "raise `factor`, or write coupling = \"mortar\"")
+    };
+    (text, help)
 }
 
 /// Text and help of a warning about a body.
