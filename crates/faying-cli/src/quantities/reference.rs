@@ -105,7 +105,7 @@ pub const QUANTITIES: &[QuantityRow] = &[
     row("interface.NAME.jump.L2", "L2 norm of the jump of u over an interface", "", "interface.arc.jump.L2"),
     row(
         "interface.NAME.segments.count",
-        "number of segments of integration, .segments.measure their length",
+        "number of segments of integration, .segments.measure their length, in space their area; between surfaces .segments.outside is how far points lie outside of their element, .segments.lost the elements that pieces do not tile",
         "",
         "interface.arc.segments.count",
     ),
