@@ -1,4 +1,4 @@
-//! Curved sides that slide: the functions of their conditions, and their rows on rigid motions.
+//! Curved sides that slide: the functions of their conditions.
 //!
 //! ```text
 //! ∫ ψ_j n . u ds = 0,   or   ∫ ψ_j t . u ds = 0
@@ -15,14 +15,11 @@ use super::held_part::HeldPart;
 use super::interface_side::InterfaceSide;
 use super::model::{CurvedSlide, Model, SlidePart};
 use super::multipliers::wrapped;
-use super::rigid::{RigidForm, RigidModes, RigidRow};
-use super::rigid_bodies::RigidBodies;
-use super::rigid_rows::add;
 use super::tie_part::TieCounts;
 use crate::coupling::multiplier::{MultiplierError, MultiplierKind};
 use crate::linalg::Vector;
 use crate::space::Trace;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 
 /// Squared cosine above which a direction that is held counts as that of a row: 45 degrees.
 const NEAR: f64 = 0.5;
@@ -52,16 +49,15 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 taken.len() > 1 || taken.iter().any(|&c| n[c].powi(2) < NEAR) || along.any(|share| share < NEAR)
             }
         };
-        let (rim, inside) = (directions(side, None, 0.0, 2), directions(side, None, 0.0, side.degree() + 2));
-        let among = |normals: &HashMap<usize, Vector<N>>, f: usize| normals.get(&f).is_some_and(|n| cannot_move(f, n));
-        let stuck = |f: usize| members.count(self, side.patch, f) > 1 || among(&rim, f);
-        let held = |f: usize| stuck(f) || among(&inside, f);
-        let own = side.trace.dofs.iter().filter(|&&f| !held(f)).map(|&f| self.function(side.patch, f));
+        // functions of an edge vanish at its corners where an element is its only one: their normal is taken where they are largest
+        let normals = directions(side, None, 0.0, side.degree() + 2);
+        let stuck = |f: usize| members.count(self, side.patch, f) > 1 || normals.get(&f).is_some_and(|n| cannot_move(f, n));
+        let own = side.trace.dofs.iter().filter(|&&f| !stuck(f)).map(|&f| self.function(side.patch, f));
         let free = own.collect::<HashSet<_>>().len();
         let mut psi = wrapped(self, side, &stuck, side.trace.multiplier(MultiplierKind::Lowered(0), &stuck)?);
         let multipliers = psi.num_functions();
         if multipliers > free {
-            let part = HeldPart::of(side, &*psi, &held);
+            let part = HeldPart::of(side, &*psi, &stuck);
             if part.free() > free || part.free() == 0 {
                 return Err(MultiplierError::TooMany { component: 0, multipliers, free });
             }
@@ -69,27 +65,4 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }
         Ok(SlidePart::new(slide.clone(), psi, self.unknowns, self.rows))
     }
-}
-
-/// The rows of a curved side that slides on rigid motions, as means over each function.
-pub(super) fn slide_forms<const S: usize, const N: usize>(
-    model: &Model<S, N>,
-    modes: &RigidModes<N>,
-    bodies: &RigidBodies,
-    part: &SlidePart<S, N>,
-) -> Vec<RigidForm> {
-    let mut forms = vec![(RigidForm::new(), 0.0); part.num_rows()];
-    part.visit(|at, row, d| {
-        let body = bodies.of_facet(model, part.side(), at.element);
-        let (form, size) = &mut forms[row];
-        *size += d.norm();
-        for (body, own) in modes.form(&RigidRow { terms: vec![(body, 1.0, at.x)], direction: *d }) {
-            add(form, body, &own, 1.0);
-        }
-    });
-    let mean = |(mut form, size): (RigidForm, f64)| {
-        form.iter_mut().flat_map(|term| &mut term.1).for_each(|v| *v /= size);
-        form
-    };
-    forms.into_iter().filter(|(_, size)| *size > 0.0).map(mean).collect()
 }

@@ -93,6 +93,7 @@ mod side_field;
 mod side_force;
 mod sizes;
 mod slave_spaces;
+mod slide_forms;
 mod solution;
 mod solve;
 mod solved;

@@ -1,11 +1,11 @@
 //! Rigid motions that are left when every contact is closed.
 
-use super::curved_slides::slide_forms;
 use super::data::Point;
 use super::model::{BodySide, ContactPart, Foundation, Model, SideSpring, TiePart};
 use super::rigid::{RemainingMotions, RigidForm, RigidModes, RigidRow, short};
 use super::rigid_bodies::{RigidBodies, contact_terms, unit};
 use super::rigid_rows::tie_forms;
+use super::slide_forms::slide_forms;
 use crate::basis::Order;
 use crate::contact::ContactRows;
 use crate::geometry::MapTable;

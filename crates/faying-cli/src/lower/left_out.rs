@@ -5,8 +5,8 @@ use crate::text_format::percent;
 use faying::problem::{Contents, SideView};
 use std::collections::BTreeMap;
 
-/// Least share of a side that is told.
-const LEFT: f64 = 1e-3;
+/// Least share of a side that is told: facets of one curve differ in length by less.
+const LEFT: f64 = 0.02;
 
 /// Warns (E021) of tied sides whose free rest is in no block where "all-outer" stands for the boundary.
 pub(super) fn tell<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, contents: &Contents<'_, S, N>) {

@@ -8,7 +8,7 @@ use crate::case::Case;
 use crate::errors::Diagnostic;
 use crate::lower::LoweredCase;
 use crate::result::RunResult;
-use faying::problem::{Solution, Warning};
+use faying::problem::{Solution, Subject, Warning};
 
 /// Returns the warnings about a model before it is solved.
 pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &LoweredCase<S, N>) -> Vec<Diagnostic> {
@@ -26,10 +26,12 @@ pub fn of_solution<const S: usize, const N: usize>(
     let open = found.iter().filter(|w| matches!(w, Warning::LeftOpen { .. })).filter_map(Warning::subject);
     let open: Vec<String> = open.map(|of| of_state::left_open(&of.name)).collect();
     result.errors_reason = (!open.is_empty()).then(|| open.join("; "));
-    for new in found {
-        if !told.iter().any(|old| old.repeats(&new)) {
-            result.warnings.extend(of_state::diagnostic(case, &new));
-            told.push(new);
+    // sides that come apart by a poor integration are not told to be coarse
+    let inexact = |of: Option<&Subject>| found.iter().any(|w| matches!(w, Warning::Integration { .. }) && w.subject() == of);
+    for new in found.iter().filter(|w| !(matches!(w, Warning::CoarseTie { .. }) && inexact(w.subject()))) {
+        if !told.iter().any(|old| old.repeats(new)) {
+            result.warnings.extend(of_state::diagnostic(case, new));
+            told.push(new.clone());
         }
     }
 }
