@@ -87,6 +87,8 @@ pub enum ErrorKind {
     MixedRegion,
     /// Sliding along a side without a normal: a line or a point.
     NoNormal,
+    /// Sliding along facets that stand for a curved side: their normals are those of the side to the order of their degree only.
+    Faceted,
     /// A curved side that slides where other supports, ties or contacts hold the same facets.
     SlideBeside,
     /// A curved side that slides, and has too few elements for the conditions on it.
@@ -254,6 +256,7 @@ impl Display for ProblemError {
                 write!(f, "a force is spread over sides, over edges or over corners, not over `{one}` and `{other}` together")
             }
             ErrorKind::NoNormal => write!(f, "`{one}` is a line or a point and has no normal"),
+            ErrorKind::Faceted => write!(f, "`{one}` stands for a curved side by facets, whose normals are not those of the side"),
             ErrorKind::SlideBeside => write!(f, "`{one}` is curved and slides, and `{other}` holds facets of it, too"),
             ErrorKind::Slide(error) => write!(f, "`{one}` is curved and slides: {error}"),
             ErrorKind::Scalar => write!(f, "\"{one}\" needs one component per coordinate"),

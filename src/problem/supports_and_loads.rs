@@ -77,10 +77,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// Prescribes n . u = 0 on a side with the normals n: in every function of a planar side; of a curved one as ∫ ψ n . u ds = 0 for all
-    /// functions ψ of the degree of the side, with the normals of its elements.
+    /// functions ψ of the degree of the side. Its body has an exact map ([`Body::is_exact`](crate::space::Body::is_exact)): the normals of facets
+    /// of degree p are wrong by h^p, which holds what should slide and costs an order.
     ///
     /// # Errors
-    /// Those of [`fix`](Self::fix), [`ErrorKind::NoNormal`], [`ErrorKind::NotASide`], [`ErrorKind::Scalar`].
+    /// Those of [`fix`](Self::fix), [`ErrorKind::NoNormal`], [`ErrorKind::Faceted`], [`ErrorKind::NotASide`], [`ErrorKind::Scalar`].
     pub fn fix_normal<'a>(&mut self, on: impl Into<Region<'a>>) -> Result<Statement, ProblemError> {
         self.sliding(on.into(), true)
     }
@@ -100,6 +101,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             let kind = if side.field.components == 1 { ErrorKind::Scalar } else { ErrorKind::NoNormal };
             if kind == ErrorKind::Scalar || !has_normal(side) {
                 return Err(ProblemError::named(kind, &[&side.label]));
+            }
+            if !self.bodies[side.patch].exact_map && planar_normal(&side.trace).is_none() {
+                return Err(ProblemError::named(ErrorKind::Faceted, &[&side.label]));
             }
         }
         let of = self.statement();

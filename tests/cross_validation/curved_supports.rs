@@ -8,7 +8,7 @@ use faying::geometry::{ControlNet, turn};
 use faying::linalg::Vector;
 use faying::physics::Hooke;
 use faying::problem::{BodyId, BodyMaterial, BodySpec, Components, Data, ErrorKind, Exact, Problem, Solution};
-use faying::space::{Body, Mesh, Patch, PatchSpec};
+use faying::space::{Body, Mapping, Mesh, Patch, PatchSpec};
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -31,8 +31,8 @@ impl Kind {
     fn body(self, spec: PatchSpec<2>) -> Arc<dyn Body<1, 2>> {
         match self {
             Kind::Nurbs => Arc::new(Patch::try_new(&spec).unwrap()),
-            Kind::Quadrilaterals => Arc::new(Mesh::from_patch(&spec).unwrap()),
-            Kind::Triangles => Arc::new(Mesh::from_patch(&spec.with_cells(Cell::Simplex)).unwrap()),
+            Kind::Quadrilaterals => Arc::new(Mesh::from_patch(&spec.with_mapping(Mapping::Exact)).unwrap()),
+            Kind::Triangles => Arc::new(Mesh::from_patch(&spec.with_mapping(Mapping::Exact).with_cells(Cell::Simplex)).unwrap()),
         }
     }
 
@@ -214,8 +214,7 @@ fn the_normals_of_a_circle_are_a_rigid_hole() {
     }
 }
 
-/// A full ring that is clamped inside and turned by a shear on its outer circle, which stays round: facets do not lock it, whatever their
-/// degree.
+/// A full ring that is clamped inside and turned by a shear on its outer circle, which stays round.
 #[test]
 fn a_ring_turns_in_a_rigid_hole() {
     let exact = Ring { a: 0.0, b: 0.0, k: 0.1 };
@@ -273,6 +272,22 @@ fn a_ring_in_a_hole_can_still_turn() {
             p.fix_normal(ring.side("v1")).unwrap();
         });
         assert_eq!(beside, [ErrorKind::SlideBeside], "{kind:?}");
+    }
+}
+
+/// Normals of facets are those of a circle to the order of their degree only.
+#[test]
+fn facets_that_stand_for_a_circle_are_refused() {
+    for cells in [Cell::Tensor, Cell::Simplex] {
+        for degree in 1..=3 {
+            let mut p = Problem::<1, 2>::new();
+            let net = annulus_sector([0.0; 2], RADII, [0.0, 90.0]).unwrap();
+            let spec = PatchSpec::new(net).with_degree([degree; 2]).with_elements([4, 2]).with_cells(cells);
+            let ring = add(&mut p, "ring", Arc::new(Mesh::from_patch(&spec).unwrap()));
+            assert_eq!(p.fix_normal(ring.side("v1")).unwrap_err().kind, ErrorKind::Faceted, "{cells:?}, degree {degree}");
+            assert_eq!(p.fix_tangential(ring.side("v0")).unwrap_err().kind, ErrorKind::Faceted, "{cells:?}, degree {degree}");
+            p.fix_normal(ring.side("u0")).unwrap();
+        }
     }
 }
 

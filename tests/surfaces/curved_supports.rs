@@ -6,7 +6,7 @@ use faying::geometry::shapes;
 use faying::linalg::Vector;
 use faying::physics::Hooke;
 use faying::problem::{BodyId, Components, ErrorKind, Problem};
-use faying::space::PatchSpec;
+use faying::space::{Mapping, PatchSpec};
 use std::f64::consts::PI;
 
 const YOUNG: f64 = 1.0;
@@ -59,7 +59,7 @@ fn body(
         true => (shapes::sphere_octant([0.0; 3], RADII).unwrap(), [n, n, n]),
         false => (shapes::annulus_sector([0.0; 2], [RADII[1], RADII[0]], [0.0, 90.0]).unwrap().extrude(HEIGHT), [n, n, 1]),
     };
-    let spec = PatchSpec::new(net).with_degree([degree; 3]).with_elements(elements);
+    let spec = PatchSpec::new(net).with_degree([degree; 3]).with_elements(elements).with_mapping(Mapping::Exact);
     let id = kind.add(p, "body", kind.body(&spec), Hooke::solid(YOUNG, NU).unwrap());
     if is_sphere { (id, &["u0", "u1", "v0"], ["w0", "w1"]) } else { (id, &["u0", "u1", "w0", "w1"], ["v1", "v0"]) }
 }

@@ -108,6 +108,9 @@ fn fault<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, place
         ErrorKind::NotFinite { .. } | ErrorKind::TooLarge { .. } | ErrorKind::Negative { .. } => {
             data_fault::<S, N>(context, places, error, at)
         }
+        ErrorKind::Faceted => context.error("E015", error.to_string(), at).with_help(
+            "write mapping = \"exact\" or backend = \"iga\" in the patch, or prescribe components x, y, z; meshes of files have facets",
+        ),
         ErrorKind::Slide(_) => context.error("E024", error.to_string(), at).with_help("refine the side, or fix all of its components"),
         ErrorKind::Glue(of_sides) => glue::fault(context, at, error.names(), of_sides),
         ErrorKind::SlaveTwice => {

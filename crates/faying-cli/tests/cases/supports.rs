@@ -162,12 +162,16 @@ fn loads_that_supports_carry_alone_are_refused_at_any_angle() {
     }
 }
 
-/// A ring of radii 1 and 2 between two angles, of one patch with `closed` or an open sector, with blocks of (side, lines).
-fn ring(backend: &str, geometry: &str, blocks: &[(&str, &str)]) -> String {
+/// The angles of a full ring.
+const WHOLE: &str = "[0, 360]";
+
+/// A ring of radii 1 and 2 between two angles, closed if it is whole, with blocks of (side, lines).
+fn ring(backend: &str, angles: &str, blocks: &[(&str, &str)]) -> String {
+    let closed = if angles == WHOLE { "closed = \"u\"\n" } else { "" };
     let mut text = format!(
-        "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\ndegree = 3\n[[material]]\nname = \"m\"\n\
-         young = 1\npoisson = 0.3\n[[patch]]\nname = \"b\"\ngeometry = {{ kind = \"annulus-sector\", radius = [1, 2], {geometry} }}\n\
-         elements = [16, 6]\n"
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\nmapping = \"exact\"\ndegree = 3\n[[material]]\nname = \"m\"\n\
+         young = 1\npoisson = 0.3\n[[patch]]\nname = \"b\"\ngeometry = {{ kind = \"annulus-sector\", radius = [1, 2], angle_deg = {angles} }}\n\
+         {closed}elements = [32, 8]\n"
     );
     for (side, lines) in blocks {
         text += &format!("[[boundary]]\non = \"b.{side}\"\n{lines}\n");
@@ -180,22 +184,31 @@ fn ring(backend: &str, geometry: &str, blocks: &[(&str, &str)]) -> String {
 fn tangents_of_a_circle_hold_a_full_ring() {
     for backend in ["iga", "fe"] {
         for held in ["v0", "v1"] {
-            let whole = "angle_deg = [0, 360], closed = \"u\"";
             let probes = "[[check]]\nquantity = \"u.r about [0, 0] at [1, 0]\"\nequals = \"1.3/3*4.4\"\nrtol = 1e-5\n\
                           [[check]]\nquantity = \"u.r about [0, 0] at [0, -2]\"\nequals = \"1.3/3*2.8\"\nrtol = 1e-5\n\
                           [[check]]\nquantity = \"stress.tt about [0, 0] at [-1.5, 0]\"\nequals = \"(1 + 4/2.25)/3\"\nrtol = 1e-3\n\
                           [[check]]\nquantity = \"balance.moment\"\nequals = 0\natol = 1e-9\n";
-            solved(&(ring(backend, whole, &[(held, "fix = [\"tangential\"]"), ("v0", "pressure = 1")]) + probes));
+            solved(&(ring(backend, WHOLE, &[(held, "fix = [\"tangential\"]"), ("v0", "pressure = 1")]) + probes));
             // the normals leave the rotation
-            let found = refused(&ring(backend, whole, &[("v1", "fix = [\"normal\"]"), ("v0", "pressure = 1")]));
+            let found = refused(&ring(backend, WHOLE, &[("v1", "fix = [\"normal\"]"), ("v0", "pressure = 1")]));
             assert!(found.len() == 1 && found[0].code == "E051" && found[0].message.contains("rotation"), "{found:?}");
             // both are all components
-            solved(&ring(backend, whole, &[("v1", "fix = [\"normal\", \"tangential\"]"), ("v0", "pressure = 1")]));
-            let text = ring(backend, whole, &[("v1", "fix = [\"x\"]"), ("v0", "pressure = 1"), ("v1", "fix = [\"normal\"]")]);
+            solved(&ring(backend, WHOLE, &[("v1", "fix = [\"normal\", \"tangential\"]"), ("v0", "pressure = 1")]));
+            let text = ring(backend, WHOLE, &[("v1", "fix = [\"x\"]"), ("v0", "pressure = 1"), ("v1", "fix = [\"normal\"]")]);
             let found = refused(&text);
             assert_eq!((found.len(), found[0].code, found[0].line), (1, "E052", Some(text.lines().count())), "{found:?}");
-            assert!(found[0].message.contains("`b.v1` (line 18) holds facets of it"), "{found:?}");
+            assert!(found[0].message.contains("`b.v1` (line 19) holds facets of it"), "{found:?}");
         }
+    }
+}
+
+#[test]
+fn facets_of_a_curved_side_do_not_slide() {
+    for word in ["normal", "tangential"] {
+        let text = ring("fe", "[0, 90]", &[("v1", &format!("fix = [\"{word}\"]")), ("u0", "fix = [\"normal\"]")]);
+        let found = refused(&text.replace("mapping = \"exact\"\n", ""));
+        assert_eq!((found[0].code, found[0].line), ("E015", Some(17)), "{found:?}");
+        assert!(found[0].message.contains("`b.v1` stands for a curved side by facets"), "{found:?}");
     }
 }
 
@@ -209,6 +222,6 @@ fn a_ring_in_a_rigid_hole_presses_on_it() {
                       [[check]]\nquantity = \"reaction.b.v1.x\"\nequals = \"2*q\"\nrtol = 1e-4\n\
                       [[check]]\nquantity = \"reaction.b.v1.y\"\nequals = \"2*q\"\nrtol = 1e-4\n\
                       [[check]]\nquantity = \"u.r about [0, 0] at [1, 0]\"\nequals = \"B*0.75\"\nrtol = 1e-5\n";
-        solved(&(ring(backend, "angle_deg = [0, 90]", &blocks) + checks));
+        solved(&(ring(backend, "[0, 90]", &blocks) + checks));
     }
 }

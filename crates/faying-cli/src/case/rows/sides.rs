@@ -17,7 +17,7 @@ pub(in crate::case) const BOUNDARY: &[Key] = &[
             "a list of components, \"normal\", \"tangential\"",
             r#"{"anyOf":[{"enum":["x","y","z","u","normal","tangential"]},{"type":"array","minItems":1,"items":{"enum":["x","y","z","u","normal","tangential"]}}]}"#,
         ),
-        "components that are zero; \"normal\": n . u, \"tangential\": the rest of u, on planar and on curved sides",
+        "components that are zero; \"normal\": n . u, \"tangential\": the rest of u, on planar sides and on curved ones of bodies with an exact map",
     )
     .optional("[\"x\", \"y\"]"),
     Key::of("dirichlet", DATA, "prescribed values; \"exact\" follows from the exact solution").optional("{ y = \"-0.002\" }"),
