@@ -3,6 +3,7 @@
 use crate::exact::{Expr, Solved};
 use faying::assembly::Norms;
 use faying::basis::{BSpline, Cell};
+use faying::coupling::multiplier::MultiplierKind;
 use faying::geometry::shapes::annulus_sector;
 use faying::geometry::{ControlNet, turn};
 use faying::linalg::Vector;
@@ -101,9 +102,11 @@ fn errors(s: &Solution<1, 2>, exact: &dyn Exact) -> [f64; 3] {
     [all.l2, all.h1, all.energy]
 }
 
-fn balanced(s: &Solution<1, 2>, what: &str) {
+/// Forces balance; so do moments where the functions hold rotations, which Lagrange functions on an exact map do not.
+fn balanced(s: &Solution<1, 2>, kind: Kind, what: &str) {
     let balance = s.balance();
-    assert!(balance.force.iter().chain(&balance.moment).all(|f| f.abs() < 1e-11), "{what}: {balance:?}");
+    let moment = balance.moment.iter().filter(|_| kind == Kind::Nurbs);
+    assert!(balance.force.iter().chain(moment).all(|f| f.abs() < 1e-11), "{what}: {balance:?}");
 }
 
 /// Errors of `solve` by number of elements fall with the degree.
@@ -138,7 +141,7 @@ fn the_tangents_of_a_circle_hold_a_ring_under_pressure() {
                         p.pressure(bodies[k].side("v0"), PRESSURE).unwrap();
                     }
                     let s = p.assemble().unwrap_or_else(|e| panic!("{what}: {e}")).solve(1.0, None).unwrap();
-                    balanced(&s, &what);
+                    balanced(&s, kind, &what);
                     // no force holds it
                     let most = bodies.iter().flat_map(|b| s.reaction(b.side(side)).unwrap()).fold(0.0, |m: f64, f| m.max(f.abs()));
                     assert!(most < 2e-2 * PRESSURE / (n as f64).powi(degree as i32 - 1), "{what}: {most:e}");
@@ -170,7 +173,7 @@ fn the_normals_of_a_circle_are_a_rigid_hole() {
                     p.fix_normal(ring.side("v1")).unwrap();
                     p.pressure(ring.side("v0"), PRESSURE).unwrap();
                     let s = p.assemble().unwrap_or_else(|e| panic!("{what}: {e}")).solve(1.0, None).unwrap();
-                    balanced(&s, &what);
+                    balanced(&s, kind, &what);
                     // ∫ sigma_r n ds over the arc
                     let wanted = exact.radial_stress(outer) * outer;
                     let wanted = if angle == 90.0 { [wanted, wanted] } else { [0.0, 2.0 * wanted] };
@@ -185,7 +188,8 @@ fn the_normals_of_a_circle_are_a_rigid_hole() {
                 let mut p = Problem::<1, 2>::new();
                 let a = sector(&mut p, "a", kind, degree, [0.0, 40.0], [n, n]);
                 let b = sector(&mut p, "b", kind, degree, [40.0, 90.0], [n + n / 2, n + n / 2]);
-                p.tie(a.side("u1"), b.side("u0")).unwrap();
+                // of the full degree, so that the support decides the order and not the tie
+                p.tie(a.side("u1"), b.side("u0")).unwrap().multiplier(MultiplierKind::Lowered(0));
                 p.fix(a.side("u0"), Components::Y).unwrap();
                 p.fix(b.side("u1"), Components::X).unwrap();
                 for body in [a, b] {
@@ -193,7 +197,7 @@ fn the_normals_of_a_circle_are_a_rigid_hole() {
                     p.pressure(body.side("v0"), PRESSURE).unwrap();
                 }
                 let s = p.assemble().unwrap().solve(1.0, None).unwrap();
-                balanced(&s, "tied");
+                balanced(&s, kind, "tied");
                 errors(&s, &exact.field())
             });
             orders(&format!("{kind:?}, held on half"), degree, |n| {
@@ -207,7 +211,7 @@ fn the_normals_of_a_circle_are_a_rigid_hole() {
                 p.pressure(free, -exact.radial_stress(outer)).unwrap();
                 p.pressure(ring.side("v0"), PRESSURE).unwrap();
                 let s = p.assemble().unwrap().solve(1.0, None).unwrap();
-                balanced(&s, "held on half");
+                balanced(&s, kind, "held on half");
                 errors(&s, &exact.field())
             });
         }
@@ -230,7 +234,7 @@ fn a_ring_turns_in_a_rigid_hole() {
                 p.traction(ring.side("v1"), 0, Data::of(move |x, _| -tau * x[1] / x[0].hypot(x[1]))).unwrap();
                 p.traction(ring.side("v1"), 1, Data::of(move |x, _| tau * x[0] / x[0].hypot(x[1]))).unwrap();
                 let s = p.assemble().unwrap().solve(1.0, None).unwrap();
-                balanced(&s, "turned");
+                balanced(&s, kind, "turned");
                 errors(&s, &exact.field())
             });
         }
@@ -345,7 +349,7 @@ fn a_hollow_sphere_of_revolution_in_a_rigid_shell_is_that_of_lame() {
                 p.fix_normal(a.side("v1")).unwrap();
                 p.pressure(a.side("v0"), PRESSURE).unwrap();
                 let s = p.assemble().unwrap().solve(1.0, None).unwrap();
-                balanced(&s, "revolved");
+                balanced(&s, kind, "revolved");
                 let wanted = stress(b, outer) * PI * outer * outer;
                 let force = (s.reaction(a.side("v1")).unwrap()[1] / wanted - 1.0).abs();
                 let at = [1.0, 1.3, 1.7].map(|r| {
