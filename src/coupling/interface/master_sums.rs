@@ -164,11 +164,12 @@ fn sums<const N: usize, T: Real>(sides: &PieceSides<'_, N, T>, master: usize, ar
         let (from, to) = (snapped(group[0].eta[0]), snapped(group[group.len() - 1].eta[1]));
         let first = out.len();
         out.extend(group.iter().map(|arc| Summed { slave: arc.slave, points: Vec::new(), farthest: (T::zero(), [0.0; 3]) }));
+        let mut found = Vec::new();
         for (point, &weight) in sides.gauss.points.iter().zip(&sides.gauss.weights) {
             let eta = Vector::<1, T>::new(from + (to - from) * point[0]);
             sides.master.geometry().map(master, &[eta], Order::Hessians, &mut work.master);
             let holds = |arc: &Arc<T>| eta[0] >= arc.eta[0] - lit(SAME) && eta[0] <= arc.eta[1] + lit(SAME);
-            let mut found = Vec::new();
+            found.clear();
             for (k, arc) in group.iter().enumerate().filter(|(_, arc)| holds(arc)) {
                 let Some((xi, ds, distance)) = partner(sides.slave, arc, &work.master, &mut work.slave) else { continue };
                 let piece = &mut out[first + k];
@@ -178,7 +179,7 @@ fn sums<const N: usize, T: Real>(sides: &PieceSides<'_, N, T>, master: usize, ar
                 found.push((k, xi, ds));
             }
             let share = weight * (to - from) / lit(found.len().max(1) as f64);
-            found.into_iter().for_each(|(k, xi, ds)| out[first + k].points.push((xi, eta, ds * share)));
+            found.iter().for_each(|&(k, xi, ds)| out[first + k].points.push((xi, eta, ds * share)));
         }
     }
     out.retain(|piece| !piece.points.is_empty());

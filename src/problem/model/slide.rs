@@ -91,7 +91,7 @@ impl<const S: usize, const N: usize> SlidePart<S, N> {
     pub fn visit(&self, mut act: impl FnMut(&SlidePoint<'_, N>, usize, &Vector<N>)) {
         let space = &*self.side().trace.space;
         let (mut table, mut own, mut map) = (ShapeTable::new(), ShapeTable::new(), MapTable::new());
-        let (mut ids, mut functions) = (Vec::new(), Vec::new());
+        let (mut ids, mut functions, mut common) = (Vec::new(), Vec::new(), Vec::new());
         for element in 0..space.num_elements() {
             let rule = self.side().rules.rule(element);
             space.active(element, &mut ids);
@@ -106,21 +106,19 @@ impl<const S: usize, const N: usize> SlidePart<S, N> {
                     continue;
                 }
                 let at = SlidePoint { element, x: map.x[q], ids: &ids, values: table.values(q) };
+                // those of all functions, unless each has tangents of its own
+                common.clear();
+                if self.slide.along_normal {
+                    common.push(normal);
+                } else if self.tangents.is_empty() {
+                    common.extend(tangents(&normal));
+                }
                 for (&j, psi) in functions.iter().zip(own.values(q)) {
-                    let directions = self.directions(j, &normal);
-                    let first = j * directions.len();
-                    directions.iter().enumerate().for_each(|(k, d)| act(&at, first + k, &(d * (psi * ds))));
+                    let own = self.tangents.get(j).unwrap_or(&common);
+                    let across = |t: &Vector<N>| if self.tangents.is_empty() { *t } else { t - normal * normal.dot(t) };
+                    own.iter().enumerate().for_each(|(k, d)| act(&at, j * own.len() + k, &(across(d) * (psi * ds))));
                 }
             }
-        }
-    }
-
-    /// The directions d of function `j` where the normal is `normal`.
-    fn directions(&self, j: usize, normal: &Vector<N>) -> Vec<Vector<N>> {
-        match self.tangents.get(j) {
-            Some(own) => own.iter().map(|t| t - normal * normal.dot(t)).collect(),
-            None if self.slide.along_normal => vec![*normal],
-            None => tangents(normal),
         }
     }
 

@@ -2,7 +2,8 @@
 //!
 //! With n the unit normal to the right of the way from the first point to the second, force = ∫ sigma n ds is what the part to the right does to
 //! the part to the left, moment = ∫ x × sigma n ds about the origin; in Poisson's equation flux = ∫ k grad u . n ds. Gauss points lie in pieces that
-//! end where the cut enters another element: no kink or jump is inside. What lies in no body is left out.
+//! end where the cut enters another element: no kink or jump is inside. What lies in no body is left out. Along edges of elements, where stresses
+//! jump, the sum is the mean of those of both sides, so that the way back has the opposite sign.
 
 use super::grammar::{At, GrammarError, axis, coordinates, keyword};
 use super::prepare::{Prepared, Preparer};
@@ -18,6 +19,8 @@ const POINTS: usize = 8;
 const SAMPLES: f64 = 8.0;
 /// Share of the cut below which a piece is a point.
 const POINT: f64 = 1e-12;
+/// Distance from the cut relative to the size of the model at which the elements to its right and left are looked for.
+const BESIDE: f64 = 1e-9;
 /// Distance from a body relative to the size of the model within which a point is in it.
 const IN: f64 = 1e-12;
 
@@ -88,7 +91,7 @@ impl<const S: usize, const N: usize> Preparer<'_, S, N> {
             return Err(self.fault("E015", format!("`{text}`: the cut has no length"), at));
         }
         let normal = Vector::<N>::from_fn(|k, _| if k == 0 { along[1] } else { -along[0] }) / along.norm();
-        let points = self.points_of_cut(from, along, bodies);
+        let points = self.points_of_cut(from, along, normal, bodies);
         if points.is_empty() {
             let fault = self.fault("E022", format!("`{text}`: no point of the cut is inside of a body"), at);
             return Err(Box::new(fault.with_help("move its ends so that it crosses a body")));
@@ -96,16 +99,20 @@ impl<const S: usize, const N: usize> Preparer<'_, S, N> {
         Ok(Prepared::Cut(PreparedCut { sum, normal, points }))
     }
 
-    /// The Gauss points of all pieces.
-    fn points_of_cut(&self, from: Vector<N>, along: Vector<N>, bodies: &[usize]) -> Vec<(usize, usize, Vector<N>, f64)> {
-        let near = IN * self.contents.size().diagonal;
-        let inside = |s: f64| {
-            let x = from + along * s;
+    /// The Gauss points of all pieces, each in the elements to its right and left.
+    fn points_of_cut(&self, from: Vector<N>, along: Vector<N>, normal: Vector<N>, bodies: &[usize]) -> Vec<(usize, usize, Vector<N>, f64)> {
+        let size = self.contents.size().diagonal;
+        let (near, beside) = (IN * size, normal * (BESIDE * size));
+        let at = |x: Vector<N>| {
             let found =
                 bodies.iter().filter_map(|&k| Some((k, self.locators.of(k).locate(&x).ok().filter(|found| found.distance <= near)?)));
             found.map(|(k, found)| (k, found.element, found.xi)).next()
         };
-        let owner = |s: f64| inside(s).map(|(patch, element, _)| (patch, element));
+        let inside = |s: f64| {
+            let x = from + along * s;
+            at(x).map(|own| [at(x + beside).unwrap_or(own), at(x - beside).unwrap_or(own)])
+        };
+        let owner = |s: f64| inside(s).map(|both| both.map(|(patch, element, _)| (patch, element)));
         let elements: usize = bodies.iter().map(|k| self.contents.body(*k).space().num_elements()).sum();
         let samples = (SAMPLES * (elements as f64).sqrt()).ceil().max(2.0 * SAMPLES) as usize;
         let mut ends = vec![0.0];
@@ -130,8 +137,8 @@ impl<const S: usize, const N: usize> Preparer<'_, S, N> {
         for piece in ends.windows(2) {
             for (xi, weight) in rule.points.iter().zip(&rule.weights) {
                 let s = piece[0] + (piece[1] - piece[0]) * xi[0];
-                if let Some((patch, element, xi)) = inside(s) {
-                    points.push((patch, element, xi, weight * (piece[1] - piece[0]) * along.norm()));
+                for (patch, element, xi) in inside(s).into_iter().flatten() {
+                    points.push((patch, element, xi, 0.5 * weight * (piece[1] - piece[0]) * along.norm()));
                 }
             }
         }

@@ -633,6 +633,12 @@ fn e021_unknown_patches_and_sides() {
     assert_eq!(d.label.as_deref(), Some("did you mean \"upper\"?"));
     assert_eq!(d.help.as_deref(), Some("sides are written PATCH.SIDE; patches are lower, upper"));
     fails(
+        &with("\"upper.bottom\"", "[\"upper.bottom\", \"all-outer\"]"),
+        "E021",
+        "\"all-outer\" stands alone, not in a list: it is every side that no other block names",
+        "\"all-outer\"",
+    );
+    fails(
         &with("\"upper.bottom\"", "\"upper\""),
         "E021",
         "`upper` names a patch, not a side; sides of \"upper\" are u0, u1, v0, v1",

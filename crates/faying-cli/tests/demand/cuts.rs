@@ -108,6 +108,22 @@ fn the_flux_through_a_cut_is_that_of_the_gradient() {
     near(&found, &[1.0, 4.0], 1e-11);
 }
 
+/// Along edges of elements, where stresses jump, a cut is the mean of those to its left and right; along a side of the body it is that inside.
+#[test]
+fn a_cut_along_edges_is_the_mean_of_both_sides() {
+    let text = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"fe\"\ncells = \"simplex\"\ndegree = 1\n[[material]]\nname = \"m\"\n\
+        young = 1000\npoisson = 0.3\n[[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [4, 1] }\nelements = [8, 2]\n\
+        [[boundary]]\non = \"a.left\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"a.right\"\ntraction = { y = -1 }\n";
+    let cuts = [[2.0, 2.0], [1.999999, 1.999999], [2.000001, 2.000001], [4.0, 4.0], [3.999999, 3.999999]];
+    let mut quantities: Vec<String> = cuts.iter().map(|[a, b]| format!("force.y cut [{a}, 0] to [{b}, 1]")).collect();
+    quantities.push("force.y cut [2, 1] to [2, 0]".to_owned());
+    quantities.push("force.y cut [2, -1] to [2, 7]".to_owned());
+    let found = values(text, &quantities.iter().map(String::as_str).collect::<Vec<_>>());
+    let [edge, left, right, end, inside, back, long] = found[..] else { panic!("{found:?}") };
+    assert!((left - right).abs() > 1e-2 * edge.abs(), "{found:?}");
+    near(&[edge, -back, long, end], &[0.5 * (left + right), edge, edge, inside], 1e-4 * edge.abs());
+}
+
 #[test]
 fn cuts_that_are_none_are_refused() {
     let refused = |text: &str, quantity: &str| {

@@ -78,9 +78,10 @@ impl OwnPoints<'_, '_> {
         by.dedup();
         let (points, weights): (Vec<Vector<2>>, Vec<f64>) = self.sides.part_of_slave(merged.element, &by)?.into_iter().unzip();
         let (mut here, mut covered) = (MapTable::new(), 0.0);
-        for (xi, _, ds) in merged.pieces.iter().flat_map(|piece| &piece.1) {
-            self.sides.slave.map.map(merged.element, &[*xi], Order::Gradients, &mut here);
-            covered += ds / cross(&here.jacobian[0]).norm();
+        for (_, list) in &merged.pieces {
+            let xi: Vec<Vector<2>> = list.iter().map(|point| point.0).collect();
+            self.sides.slave.map.map(merged.element, &xi, Order::Gradients, &mut here);
+            covered += list.iter().zip(&here.jacobian).map(|(point, j)| point.2 / cross(j).norm()).sum::<f64>();
         }
         let mut part = SlavePieces::new(merged.element);
         let all = self.at(&points, &weights, &mut part);
