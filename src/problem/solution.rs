@@ -70,7 +70,8 @@ impl<const S: usize, const N: usize> Solution<S, N> {
     }
 
     /// Sum of all external forces and of their moments about the origin: loads, springs, foundations, reactions, and forces of obstacles. It vanishes
-    /// up to rounding.
+    /// up to rounding where both sides of ties and contacts are integrated on the same pieces and the functions of their bodies hold rotations; mixed
+    /// integration, and moments of Lagrange functions on exact maps, leave what falls with the mesh.
     pub fn balance(&self) -> Resultant {
         self.inner.balance()
     }

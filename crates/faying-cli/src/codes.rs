@@ -7,7 +7,7 @@ use faying_files::FileError;
 pub struct Code {
     /// The code itself, `E012`.
     pub code: &'static str,
-    /// Exit code of the program when an error of this code ends it.
+    /// Exit code of the program when an error of this code ends it; 0 of warnings, which end nothing.
     pub exit: i32,
     /// The mistake in a few words.
     pub title: &'static str,
@@ -278,7 +278,7 @@ pub const CODES: &[Code] = &[
     ),
     code(
         "E061",
-        3,
+        0,
         "unstable pair",
         "A warning: the multiplier space is not stable on this side; `faying infsup` shows it. `constant` on a side of degree 1, and spaces \
          given as data, may be p/p-1 by another name; constants on maximally smooth splines of degree 3, 5, ... are p/p-3, p/p-5, ..., not stable either. \
@@ -313,7 +313,7 @@ pub const CODES: &[Code] = &[
     ),
     code(
         "E065",
-        3,
+        0,
         "inexact integration",
         "A warning: the quadrature error at this interface is above 1 % \
          (interface.NAME.consistency, contact.NAME.consistency). Slave points do not see the kinks of the master's functions; mixed integration does \

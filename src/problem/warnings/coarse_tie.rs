@@ -3,12 +3,15 @@
 //! The functions of a multiplier make the jump of u vanish in their means, or leave what a [soft penalty](super::soft_penalty) leaves there.
 //! Between them it stays: a multiplier that is constant on elements leaves the bend of the finer side free.
 
-use super::soft_penalty::{SHARE, bodies_of, held_apart, moved_by};
+use super::soft_penalty::{bodies_of, held_apart, moved_by};
 use super::warning::{Subject, Warning};
 use crate::problem::model::Model;
 use crate::problem::state::StepState;
 
-/// Finds the ties of vectors whose sides come apart between the functions of their multipliers by more than a tenth of the displacement.
+/// Share of the largest displacement of the bodies that their sides may come apart on average.
+const SHARE: f64 = 0.02;
+
+/// Finds the ties of vectors whose sides come apart between the functions of their multipliers.
 pub(super) fn coarse_ties<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
     let mut found = Vec::new();
     for (k, tie) in model.ties.iter().enumerate().filter(|(_, tie)| model.components == N && tie.parts.iter().any(|p| p.num_rows > 0)) {

@@ -10,7 +10,7 @@ use crate::problem::state::StepState;
 /// Share of the smaller body's size that bodies may sink.
 const DEEP: f64 = 1e-2;
 /// Share of the bodies' largest displacement that they may sink, or that a tie may come apart.
-pub(super) const SHARE: f64 = 0.1;
+const SHARE: f64 = 0.1;
 
 /// Finds the contacts and ties whose penalty is too soft.
 pub(super) fn soft_penalties<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {

@@ -71,7 +71,7 @@ impl Reader {
         known.extend(contacts.chain(ties).map(|(name, of, what)| (format!("{of}.{name}.{what}"), ShownField::Sides(name.clone()))));
         let more = if case.model.components() == 1 { "" } else { ", principal.1, strain.xx, stress.rr about [x, y], ..." };
         let list: Vec<&str> = known.iter().map(|(word, _)| word.as_str()).collect();
-        let mut found = Vec::new();
+        let mut found: Vec<ShownField> = Vec::new();
         for word in words {
             if let Some((_, field)) = known.iter().find(|(name, _)| *name == word.value) {
                 found.push(field.clone());
@@ -79,6 +79,9 @@ impl Reader {
             }
             match derived(&word.value, case) {
                 Some(Ok(number)) => {
+                    if found.iter().any(|f| matches!(f, ShownField::Bodies { number: known, .. } if *known == number)) {
+                        continue;
+                    }
                     found.push(ShownField::Bodies { word: word.value.trim().to_owned(), number });
                     continue;
                 }

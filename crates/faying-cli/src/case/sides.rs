@@ -205,7 +205,7 @@ impl Reader {
                 "E021",
                 "\"all-outer\" stands alone, not in a list: it is every side that no other block names".to_owned(),
             );
-            return self.push(node.at, d.with_help("write on = \"all-outer\"; sides of other blocks are not in it"));
+            return self.push(node.at, d.with_help("a [[boundary]] takes it: on = \"all-outer\"; sides of other blocks are not in it"));
         }
         let names = patches.iter().map(|p| p.name.value.clone()).collect::<Vec<_>>();
         let mut d = Diagnostic::error("E021", format!("there is no patch {:?}", name.chars().take(60).collect::<String>()));

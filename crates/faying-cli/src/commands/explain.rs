@@ -21,11 +21,11 @@ pub fn explain(arguments: &ExplainArguments, names: &Names) -> Exit {
 
 fn of_code(code: &codes::Code) -> Exit {
     let example: String = code.example.lines().map(|line| format!("    {line}\n")).collect();
+    let exit = if code.exit == 0 { "a warning".to_owned() } else { format!("exit {}", code.exit) };
     let text = format!(
-        "{}: {} (exit {})\n\n{}\n\nFor example\n\n{example}\nWhat to do: {}\n",
+        "{}: {} ({exit})\n\n{}\n\nFor example\n\n{example}\nWhat to do: {}\n",
         code.code,
         code.title,
-        code.exit,
         wrapped(code.text, 88),
         wrapped(code.remedy, 88)
     );

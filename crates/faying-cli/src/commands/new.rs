@@ -28,11 +28,15 @@ macro_rules! sample {
     };
 }
 
-const SAMPLES: [Sample; 15] = [
+const SAMPLES: [Sample; 16] = [
     sample!("poisson-arc", "Poisson on a ring sector with a known solution"),
     sample!("contact-patch", "two blocks pressed together: uniform stress across meshes that do not match"),
     sample!("hertz", "a half cylinder pressed on a rigid plane, against the formula of Hertz"),
     sample!("hertz-solid", "a rigid ball pressed on a block in three dimensions, against the formula of Hertz"),
+    sample!(
+        "crossed-cylinders",
+        "a NURBS cylinder pressed on one of hexahedra at a right angle, in three dimensions, against the formula of Hertz"
+    ),
     sample!("punch-solid", "a rigid box pressed into a block in three dimensions: its face alone carries the force"),
     sample!("shrink-fit", "a ring shrunk on another, against the formula of Lame"),
     sample!("shrink-fit-solid", "a hollow ball shrunk into another one in three dimensions, against the formula of Lame"),

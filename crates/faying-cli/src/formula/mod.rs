@@ -303,5 +303,10 @@ mod tests {
         let texts: Vec<&str> = f.quantities().iter().map(|q| q.text.as_str()).collect();
         assert_eq!(texts, ["contact.my-pad.force.y", "u.x at [1.0, 0.5] in upper", "energy"]);
         assert_eq!(f.value_with(1.0, &[3.0, 10.0, 1.0]), 14.0);
+        let f =
+            Formula::parse("-2*moment cut [0, 1] to [max(1, 2), 1] in a + force.x cut [0,0] to [0,1]", &Scope::check(&c, &names)).unwrap();
+        let texts: Vec<&str> = f.quantities().iter().map(|q| q.text.as_str()).collect();
+        assert_eq!(texts, ["moment cut [0, 1] to [max(1, 2), 1] in a", "force.x cut [0,0] to [0,1]"]);
+        assert_eq!(f.value_with(1.0, &[3.0, 10.0]), 4.0);
     }
 }

@@ -9,6 +9,7 @@ use super::grammar::{At, GrammarError, axis, coordinates, keyword};
 use super::prepare::{Prepared, Preparer};
 use crate::errors::Diagnostic;
 use crate::place::SourceSpan;
+use faying::geometry::Bounds;
 use faying::linalg::Vector;
 use faying::problem::Solution;
 use faying::quadrature::gauss_legendre;
@@ -48,6 +49,9 @@ pub struct PreparedCut<const N: usize> {
 /// The words around `cut`: what is summed, and both ends.
 pub(super) fn parse(head: &str, place: &str) -> Result<(CutSum, [Vec<String>; 2]), GrammarError> {
     let wrong = |message: String| Err(GrammarError { message });
+    if let Some(word) = ["at", "about"].into_iter().find(|word| keyword(head, word).or_else(|| keyword(place, word)).is_some()) {
+        return wrong(format!("a sum over a cut takes no `{word}`: moments are about the origin; `in PATCH` may stand at its end"));
+    }
     let sum = match head.split_once('.') {
         None if head == "moment" => CutSum::Moment,
         None if head == "flux" => CutSum::Flux,
@@ -58,6 +62,29 @@ pub(super) fn parse(head: &str, place: &str) -> Result<(CutSum, [Vec<String>; 2]
         return wrong(format!("a cut has two ends; write {head} cut [0, 0] to [0, 1]"));
     };
     Ok((sum, [coordinates(place[..k].trim())?, coordinates(place[k + 3..].trim())?]))
+}
+
+/// The part of the way from `from` to `to` within a box, however far away both points are; `None` where it passes by.
+fn within<const N: usize>(from: Vector<N>, to: Vector<N>, around: &Bounds<N>) -> Option<(Vector<N>, Vector<N>)> {
+    let (mut from, mut to) = (from, to);
+    for k in 0..N {
+        for (bound, sign) in [(around.lo[k], 1.0), (around.hi[k], -1.0)] {
+            let outside = |x: &Vector<N>| sign * (bound - x[k]) > 0.0;
+            // weights of both ends without their difference, which may exceed all numbers
+            let cut = |out: &Vector<N>, inside: &Vector<N>| {
+                let scale = (0.5 * inside[k] - 0.5 * out[k]).abs();
+                let [w, v] = [(0.5 * inside[k] - 0.5 * bound).abs() / scale, (0.5 * bound - 0.5 * out[k]).abs() / scale];
+                Vector::from_fn(|j, _| if j == k { bound } else { w * out[j] + v * inside[j] })
+            };
+            match (outside(&from), outside(&to)) {
+                (true, true) => return None,
+                (true, false) => from = cut(&from, &to),
+                (false, true) => to = cut(&to, &from),
+                (false, false) => {}
+            }
+        }
+    }
+    Some((from, to))
 }
 
 impl<const S: usize, const N: usize> Preparer<'_, S, N> {
@@ -86,12 +113,17 @@ impl<const S: usize, const N: usize> Preparer<'_, S, N> {
         }
         let [from, to] = ends.map(|end| self.point(text, &At::Point(end), at));
         let (from, to) = (from?, to?);
-        let along = to - from;
-        if along.norm() <= IN * self.contents.size().diagonal {
+        if (to - from).amax() <= IN * self.contents.size().diagonal {
             return Err(self.fault("E015", format!("`{text}`: the cut has no length"), at));
         }
-        let normal = Vector::<N>::from_fn(|k, _| if k == 0 { along[1] } else { -along[0] }) / along.norm();
-        let points = self.points_of_cut(from, along, normal, bodies);
+        let points_between = |(from, to): (Vector<N>, Vector<N>)| {
+            let along = to - from;
+            let normal = Vector::<N>::from_fn(|k, _| if k == 0 { along[1] } else { -along[0] }) / along.norm();
+            (normal, self.points_of_cut(from, along, normal, bodies))
+        };
+        let boxes = bodies.iter().filter_map(|&k| self.contents.body(k).space().extent());
+        let around = boxes.reduce(|a, b| a.union(&b)).map(|b| b.inflated(BESIDE * self.contents.size().diagonal));
+        let (normal, points) = around.and_then(|b| within(from, to, &b)).map_or((Vector::zeros(), Vec::new()), points_between);
         if points.is_empty() {
             let fault = self.fault("E022", format!("`{text}`: no point of the cut is inside of a body"), at);
             return Err(Box::new(fault.with_help("move its ends so that it crosses a body")));

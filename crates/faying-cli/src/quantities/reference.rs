@@ -83,11 +83,18 @@ pub const QUANTITIES: &[QuantityRow] = &[
     ),
     row(
         "force.x cut",
-        "force of the stresses over a straight cut of the plane, ∫ sigma n ds, n to the right of the way from the first point to the second: what the part there does to the other; moment cut about the origin, flux cut in Poisson's equation",
+        "force of the stresses over a straight cut of the plane, ∫ sigma n ds, n to the right of the way from the first point to the second: what the part there does to the other",
         "force",
         "force.x cut [0.5, 0] to [0.5, 1] in lower",
     ),
-    row("balance.force.x", "sum of all external forces and reactions: zero up to rounding", "force", "balance.force.y"),
+    row("moment cut", "moment of these stresses about the origin, ∫ x × sigma n ds", "force length", "moment cut [0.5, 0] to [0.5, 1]"),
+    row("flux cut", "flux over a cut in Poisson's equation, ∫ k du/dn ds", "", "flux cut [0.5, 0] to [0.5, 1]"),
+    row(
+        "balance.force.x",
+        "sum of all external forces and reactions, balance.moment that of their moments: zero up to rounding where both sides of ties and contacts are integrated on the same pieces; integration = \"mixed\" and moments on mapping = \"exact\" leave what falls with the mesh",
+        "force",
+        "balance.force.y",
+    ),
     row("area.PATCH", "area of a patch in the plane, volume.PATCH in space", "length^2", "area.lower"),
     row("length.PATCH.SIDE", "length of a side in the plane, area.PATCH.SIDE in space", "length", "length.lower.top"),
     row(
@@ -164,6 +171,13 @@ pub fn find(word: &str) -> Vec<&'static QuantityRow> {
     let same: Vec<&QuantityRow> = QUANTITIES.iter().filter(|k| k.pattern == word || k.example == word).collect();
     if !same.is_empty() {
         return same;
+    }
+    if let Some((sum, _)) = word.split_once(" cut") {
+        let known = match sum.strip_prefix("force.") {
+            Some("x" | "y") => "force.x cut".to_owned(),
+            _ => format!("{sum} cut"),
+        };
+        return QUANTITIES.iter().filter(|k| k.pattern == known).collect();
     }
     let head = word.split([' ', '[']).next().unwrap_or_default().replace("displacement", "u").replace("reaction.", "reactions.");
     let head = head.trim_end_matches(".gauss").trim_end_matches(".rel");

@@ -164,7 +164,7 @@ fn what_belongs_to_the_plane_is_not_answered() {
 
 #[test]
 fn the_samples_in_space_pass_their_checks() {
-    for name in ["hertz-solid", "punch-solid", "shrink-fit-solid"] {
+    for name in ["hertz-solid", "crossed-cylinders", "punch-solid", "shrink-fit-solid"] {
         for backend in [None, Some("fe")] {
             let options = ReadOptions { backend: backend.map(str::to_owned), ..ReadOptions::default() };
             let path = format!("{}/../../examples/cases/{name}.toml", env!("CARGO_MANIFEST_DIR"));

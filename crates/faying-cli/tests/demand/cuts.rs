@@ -124,6 +124,24 @@ fn a_cut_along_edges_is_the_mean_of_both_sides() {
     near(&[edge, -back, long, end], &[0.5 * (left + right), edge, edge, inside], 1e-4 * edge.abs());
 }
 
+/// Ends far beyond the body change nothing, and cuts stand in the formulas of checks.
+#[test]
+fn a_cut_may_be_long_and_stand_in_a_check() {
+    let plane = bent("fe");
+    let far = |r: &str| [format!("moment cut [0.3, -{r}] to [0.3, {r}]"), format!("force.x cut [-{r}, 0.25] to [{r}, 0.25]")];
+    let cuts: Vec<String> = ["2", "1e3", "1e9", "1e300"].iter().flat_map(|r| far(r)).collect();
+    let found = values(&plane, &cuts.iter().map(String::as_str).collect::<Vec<_>>());
+    for pair in found.chunks(2) {
+        near(pair, &[-1.0, 0.0], 1e-10);
+    }
+    near(&values(&plane, &["moment cut [-1e8, -1e8] to [1e8, 1e8]"]), &values(&plane, &["moment cut [-1, -1] to [1, 1]"]), 1e-7);
+    let check = "[[check]]\nquantity = \"moment cut [0.3, -0.5] to [0.3, 0.5]\"\nequals = \"-(moment cut [1.5, 0.5] to [1.5, -0.5] in b)\"\natol = 1e-9\n";
+    let result =
+        Case::parse("case.toml", &(plane + check), &ReadOptions::default()).and_then(|case| case.run(&Registry::default())).unwrap();
+    let check = &result.checks[0];
+    assert!(check.ok && (check.expected + 1.0).abs() < 1e-10, "{check:?}");
+}
+
 #[test]
 fn cuts_that_are_none_are_refused() {
     let refused = |text: &str, quantity: &str| {
@@ -135,6 +153,8 @@ fn cuts_that_are_none_are_refused() {
         geometry = { kind = \"box\", min = [0, 0, 0], max = [1, 1, 1] }\nelements = [1, 1, 1]\n[[boundary]]\non = \"a.left\"\nfix = [\"x\", \"y\", \"z\"]\n";
     for (text, quantity, code, part) in [
         (&*plane, "force.x cut [0, 0]", "E018", "a cut has two ends"),
+        (&*plane, "moment cut [0, 0] to [0, 1] about [1, 1]", "E018", "takes no `about`"),
+        (&*plane, "force.x at [1, 0] cut [0, 0] to [0, 1]", "E018", "takes no `at`"),
         (&*plane, "stress.xx cut [0, 0] to [0, 1]", "E018", "`stress.xx` is no sum over a cut"),
         (&*plane, "force.z cut [0, 0] to [0, 1]", "E018", "not there in the plane"),
         (&*plane, "flux cut [0, 0] to [0, 1]", "E018", "the flux belongs to Poisson"),

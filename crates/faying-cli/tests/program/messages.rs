@@ -212,6 +212,10 @@ fn the_help_and_the_codes_use_the_words_of_the_field() {
             &["explain", "E023"],
             "`between` ties sides if faceting explains their gap: mean at most 1/4, largest at most 2 times the deviation",
         ),
+        (&["explain", "E065"], "E065: inexact integration (a warning)"),
+        (&["explain", "E072"], "(exit 5)"),
+        (&["explain", "moment cut"], "moment cut, a quantity"),
+        (&["explain", "force.y cut [0, 0] to [0, 1] in a"], "force.x cut, a quantity"),
         (&["explain", "E065"], "the quadrature error at this interface is above 1 %"),
     ] {
         assert!(said(words).contains(part), "`{part}` is not in\n{}", said(words));

@@ -3,10 +3,10 @@
 use super::{FormulaError, Op, Parsed, Parser, QuantityRef, continues_name, is_reserved};
 
 /// Words behind the path of a quantity.
-const CLAUSES: [&str; 3] = ["at", "about", "in"];
+const CLAUSES: [&str; 5] = ["at", "about", "in", "cut", "to"];
 
 impl Parser<'_> {
-    // a name followed by a dot, `at` or `in`, or one without another meaning
+    // a name followed by a dot or a word such as `at`, or one without another meaning
     pub(super) fn is_quantity(&self, name: &str) -> bool {
         let mut k = self.at;
         if self.chars.get(k) == Some(&'.') {
@@ -28,7 +28,7 @@ impl Parser<'_> {
             && !self.chars.get(at + n).is_some_and(|c| continues_name(*c))
     }
 
-    // the text of a quantity: path, `at [..]` or `at TAG`, `about [..]`, `in PATCH`, `.min` and the like behind
+    // the text of a quantity: path, `at [..]` or `at TAG`, `about [..]`, `cut [..] to [..]`, `in PATCH`, `.min` and the like behind
     pub(super) fn quantity(&mut self, start: usize) -> Parsed {
         self.path()?;
         loop {
@@ -50,7 +50,7 @@ impl Parser<'_> {
                 }
                 self.at += 1;
             } else if !self.segment() {
-                return Err(FormulaError::new("a point [x, y] or a name is expected behind `at` or `in`", self.at, 1));
+                return Err(FormulaError::new(format!("a point [x, y] or a name is expected behind `{word}`"), self.at, 1));
             }
             self.path()?;
         }
