@@ -109,8 +109,11 @@ fn inspected(registry: &Registry, arguments: &InspectArguments, common: &Common)
     if let Some(file) = &grid {
         add_fields(&mut found, file);
     }
-    if case.is_some() {
+    if let Some(case) = &case {
         found.format = "case".into();
+        if found.patches.is_empty() {
+            (found.kind, found.dimension) = ("meshes".into(), case.model.dimension.value);
+        }
     }
     let mut fields = json!({"file": name});
     if let (Some(all), Ok(Value::Object(more))) = (fields.as_object_mut(), serde_json::to_value(&found)) {

@@ -185,9 +185,11 @@ impl Inspection {
     pub fn text(&self, name: &str) -> String {
         let mut text = String::new();
         let size = Self::size_word(self.dimension);
+        // a case of meshes alone has nothing that is measured here
+        let is_measured = !self.patches.is_empty() || self.points.is_some();
+        let measure = if is_measured { format!(", {size} {}", short(self.measure, 12)) } else { String::new() };
         // writing to a String cannot fail
-        let _ =
-            writeln!(text, "{name}: {}, {} of dimension {}, {size} {}", self.format, self.kind, self.dimension, short(self.measure, 12));
+        let _ = writeln!(text, "{name}: {}, {} of dimension {}{measure}", self.format, self.kind, self.dimension);
         if let Some(points) = self.points {
             let cells: Vec<String> = self.cells.iter().map(|c| format!("{} {} (order {})", c.count, c.shape, c.order)).collect();
             let _ = writeln!(text, "{points} points; {}", cells.join(", "));

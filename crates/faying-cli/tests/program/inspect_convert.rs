@@ -194,6 +194,10 @@ fn cases_are_inspected_by_their_geometry_and_their_blocks() {
     close(&patch["measure"], checked["geometry"]["measure"][name].as_f64().unwrap(), "area");
     let (_, changed) = json(at.path(), &["inspect", "poisson-arc.toml", "--set", &format!("patch.{name}.geometry.scale=2")]);
     close(&changed["patches"][0]["measure"], 4.0 * patch["measure"].as_f64().unwrap(), "area of twice the size");
+    // bodies that are meshes are inspected by their files
+    assert_eq!(faying(at.path(), &["new", "l-bracket"]).status.code(), Some(0));
+    let said = String::from_utf8(faying(at.path(), &["inspect", "l-bracket.toml"]).stdout).unwrap();
+    assert!(said.starts_with("l-bracket.toml: case, meshes of dimension 2\n") && said.contains("faying inspect l-bracket.msh"), "{said}");
 }
 
 #[test]
