@@ -56,6 +56,23 @@ pub enum NoHalfWidth {
         "near an end of the zone the pressure does not fall like a root, which tells where it ends within an element: refine the side there"
     )]
     NoRoot,
+    /// An end of the curve that does not move along it: half of a symmetric zone, or all of one.
+    #[error(
+        "the zone ends at an end of the slave side that does not move along it: half of a symmetric zone, or one that ends there; of a half \
+         model set `symmetry`"
+    )]
+    HeldEnd,
+}
+
+/// What a zone does at an end of the slave sides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SideEnd {
+    /// It ends there.
+    Free,
+    /// It goes on beyond, as its mirror image.
+    Mirrored,
+    /// Either: the end does not move along the side.
+    Held,
 }
 
 /// A slave side with its contact, the points of it that are closed, and the pressure there.
@@ -74,12 +91,22 @@ pub struct ClosedSide<'a, const N: usize, T: Real = f64> {
 /// Returns half the extent of the contact zone along the slave sides, an arc length \[length\]; zero if nothing is in contact.
 ///
 /// Sides that meet are one curve: a joint between them is no end. Of curves that do not meet the widest zone counts. All pressed
-/// stretches of one curve are one zone; on a closed curve it is the complement of the widest open stretch. With `symmetry` a zone that
-/// ends at an end of the curve is mirrored there, so that its extent is half of the whole.
+/// stretches of one curve are one zone; on a closed curve it is the complement of the widest open stretch. Where a zone ends at an end of
+/// the curve, `side_end` of the side's number, the element and the local coordinate there tells what it does: mirrored, its extent is half
+/// of the whole; held, it has no half width unless it ends at a corner on the other side as well.
 ///
 /// # Errors
-/// [`NoHalfWidth`] where the pressure does not tell an end.
-pub fn half_width<const N: usize, T: Real>(sides: &[ClosedSide<'_, N, T>], symmetry: bool) -> Result<T, NoHalfWidth> {
+/// [`NoHalfWidth`] where the pressure, or what is known of the end of a side, does not tell an end.
+pub fn half_width<const N: usize, T: Real>(
+    sides: &[ClosedSide<'_, N, T>],
+    side_end: &dyn Fn(usize, usize, T) -> SideEnd,
+) -> Result<T, NoHalfWidth> {
+    let places: Vec<(usize, usize)> =
+        sides.iter().enumerate().flat_map(|(k, s)| (0..s.slave.num_elements()).map(move |e| (k, e))).collect();
+    let end_of = |element: usize, at_one: bool| {
+        let (side, own) = places[element];
+        side_end(side, own, if at_one { T::one() } else { T::zero() })
+    };
     let joined = Several { elements: sides.iter().flat_map(|s| (0..s.slave.num_elements()).map(|e| (s.slave, e))).collect() };
     let chain = Chain::of(&joined);
     let sections = Section::all(sides, &joined, &chain);
@@ -93,11 +120,15 @@ pub fn half_width<const N: usize, T: Real>(sides: &[ClosedSide<'_, N, T>], symme
         }
         let mut curve = walk[first..=k].to_vec();
         let is_loop = chain.neighbour(curve[0].0, usize::from(curve[0].1)).is_some();
-        if is_loop {
+        let ends = if is_loop {
             let start = amid_widest_open(&sections, &curve);
             curve.rotate_left(start);
-        }
-        widest = widest.max(Unrolled::of(&sections, &curve).half_width(symmetry && !is_loop)?);
+            [SideEnd::Free; 2]
+        } else {
+            let (from, to) = (curve[0], curve[curve.len() - 1]);
+            [end_of(from.0, from.1), end_of(to.0, !to.1)]
+        };
+        widest = widest.max(Unrolled::of(&sections, &curve).half_width(ends)?);
         first = k + 1;
     }
     Ok(widest)
@@ -359,8 +390,8 @@ impl<T: Real> Unrolled<T> {
         end.first
     }
 
-    /// Half the extent of the zone, or all of it if it ends at an end of the curve and `symmetry` continues it there.
-    fn half_width(&self, symmetry: bool) -> Result<T, NoHalfWidth> {
+    /// Half the extent of the zone, or all of it if it ends at the start or the end of the curve and is mirrored there.
+    fn half_width(&self, [start, end]: [SideEnd; 2]) -> Result<T, NoHalfWidth> {
         let mirrored = self.mirrored();
         let (Some(right), Some(left)) = (self.end(), mirrored.end()) else { return Ok(T::zero()) };
         // one stretch, or several, of which the two outer ones have middles of their own; a corner is the middle of a zone that goes on there
@@ -369,7 +400,11 @@ impl<T: Real> Unrolled<T> {
         let middle = |corner: bool, end: T, other: T| if corner && is_one { other } else { (end + other) * lit(0.5) };
         let a = self.true_end(&right, middle(left.is_corner, right.at, from_left))?;
         let b = -mirrored.true_end(&left, middle(right.is_corner, left.at, from_right))?;
-        let goes_on = symmetry && (right.of_curve || left.of_curve);
+        let unknown = |own: &End<T>, kind: SideEnd, other: &End<T>| own.of_curve && kind == SideEnd::Held && !other.is_corner;
+        if unknown(&right, end, &left) || unknown(&left, start, &right) {
+            return Err(NoHalfWidth::HeldEnd);
+        }
+        let goes_on = right.of_curve && end == SideEnd::Mirrored || left.of_curve && start == SideEnd::Mirrored;
         Ok((a - b).max(T::zero()) * if goes_on { T::one() } else { lit(0.5) })
     }
 }
@@ -422,7 +457,7 @@ mod tests {
     fn zones_of_pressures_that_lean_end_where_they_end() {
         for (k, g) in [-0.6, -0.3, 0.2, 0.5, 0.7].into_iter().enumerate() {
             let (b, a) = (0.41 + 0.013 * k as f64, 1.53 + 0.02 * k as f64);
-            let found = line_of(&[[b, a]], g, 0.0).half_width(false).unwrap();
+            let found = line_of(&[[b, a]], g, 0.0).half_width([SideEnd::Free; 2]).unwrap();
             assert!((found / (0.5 * (a - b)) - 1.0).abs() < 3e-3, "{g}: {found} instead of {}", 0.5 * (a - b));
         }
     }
@@ -432,11 +467,11 @@ mod tests {
         for k in 0..40 {
             // about 45 elements wide, anywhere
             let (b, a) = (0.41 + 0.01 * f64::from(k), 1.53 + 0.01 * f64::from(k % 7));
-            let found = line(&[[b, a]], 0.0).half_width(true).unwrap();
+            let found = line(&[[b, a]], 0.0).half_width([SideEnd::Mirrored; 2]).unwrap();
             assert!((found / (0.5 * (a - b)) - 1.0).abs() < 3e-4, "{b} {a}: {found}");
-            let mirrored = line(&[[2.0 - a, 2.0 - b]], 0.0).half_width(false).unwrap();
+            let mirrored = line(&[[2.0 - a, 2.0 - b]], 0.0).half_width([SideEnd::Free; 2]).unwrap();
             assert!((found - mirrored).abs() < 1e-12, "{b} {a}: {found} {mirrored}");
-            let noisy = line(&[[b, a]], 1e-11).half_width(true).unwrap();
+            let noisy = line(&[[b, a]], 1e-11).half_width([SideEnd::Mirrored; 2]).unwrap();
             // the fit of two terms amplifies noise that acts far from the zone
             assert!((found - noisy).abs() < 1e-5, "{b} {a}: {found} {noisy}");
         }
@@ -447,27 +482,31 @@ mod tests {
         for k in 0..10 {
             let a = 1.0 + 0.013 * f64::from(k);
             let half = line(&[[-a, a]], 0.0);
-            let [all, part] = [true, false].map(|symmetry| half.half_width(symmetry).unwrap());
+            let [all, part] = [SideEnd::Mirrored, SideEnd::Free].map(|end| half.half_width([end; 2]).unwrap());
             assert!((all / a - 1.0).abs() < 3e-4 && part == 0.5 * all, "{a}: {all} {part}");
             // two feet
-            let both = line(&[[0.213, 0.83], [1.17, 1.7 + 0.013 * f64::from(k)]], 0.0).half_width(false).unwrap();
+            let both = line(&[[0.213, 0.83], [1.17, 1.7 + 0.013 * f64::from(k)]], 0.0).half_width([SideEnd::Free; 2]).unwrap();
             let wanted = 0.5 * (1.487 + 0.013 * f64::from(k));
             assert!((both / wanted - 1.0).abs() < 0.005, "{both} {wanted}");
         }
         // pressed from end to end
-        assert!((line(&[[-9.0, 11.0]], 0.0).half_width(false).unwrap() - 1.0).abs() < 1e-12);
-        assert_eq!(line(&[], 0.0).half_width(false), Ok(0.0));
+        assert!((line(&[[-9.0, 11.0]], 0.0).half_width([SideEnd::Free; 2]).unwrap() - 1.0).abs() < 1e-12);
+        assert_eq!(line(&[], 0.0).half_width([SideEnd::Free; 2]), Ok(0.0));
     }
 
     #[test]
     fn zones_of_few_elements_and_ends_without_a_root_have_no_half_width() {
         // two elements on either side of the middle
-        assert!(matches!(line(&[[0.951, 1.049]], 0.0).half_width(false), Err(NoHalfWidth::FewElements { .. })));
+        assert!(matches!(line(&[[0.951, 1.049]], 0.0).half_width([SideEnd::Free; 2]), Err(NoHalfWidth::FewElements { .. })));
         // the greatest pressure near the end: nothing but the tail after it counts, which is short
         let peaked = line(&[[0.3, 1.5], [1.35, 1.5]], 0.0);
-        assert!(peaked.half_width(false).is_ok(), "a bump that does not fall");
+        assert!(peaked.half_width([SideEnd::Free; 2]).is_ok(), "a bump that does not fall");
         let steep = line(&[[0.3, 1.49], [1.4, 1.49], [1.4, 1.49], [1.4, 1.49], [1.4, 1.49], [1.4, 1.49], [1.4, 1.49]], 0.0);
-        assert!(matches!(steep.half_width(false), Err(NoHalfWidth::FewElements { .. })), "{:?}", steep.half_width(false));
+        assert!(
+            matches!(steep.half_width([SideEnd::Free; 2]), Err(NoHalfWidth::FewElements { .. })),
+            "{:?}",
+            steep.half_width([SideEnd::Free; 2])
+        );
         // a pressure that ends like a wall
         let wall = |k: usize| {
             let points = [0.2, 0.8].map(|x| Point { s: x * SIZE, force: SIZE, pressed: (40..120).contains(&k) }).to_vec();
@@ -475,7 +514,7 @@ mod tests {
         };
         let sections: Vec<Section<f64>> = (0..160).map(wall).collect();
         let walk: Vec<(usize, bool)> = (0..160).map(|k| (k, false)).collect();
-        assert_eq!(Unrolled::of(&sections, &walk).half_width(false), Err(NoHalfWidth::NoRoot));
+        assert_eq!(Unrolled::of(&sections, &walk).half_width([SideEnd::Free; 2]), Err(NoHalfWidth::NoRoot));
     }
 
     #[test]

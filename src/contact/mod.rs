@@ -34,7 +34,7 @@ pub use facing_surface::FacingSurface;
 pub use frames::ContactKinematics;
 pub use gap::{ContactError, ContactRows, Opponent, RowsAt};
 pub use greville::greville_points;
-pub use half_width::{ClosedSide, NoHalfWidth, half_width};
+pub use half_width::{ClosedSide, NoHalfWidth, SideEnd, half_width};
 pub use level_set::LevelSet;
 pub use method::{Augmented, Begun, ContactAt, ContactMethod, Lagrange, MethodError, Needs, PointValues, Translation};
 pub use obstacles::{HalfPlane, Moved, Sphere};

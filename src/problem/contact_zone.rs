@@ -1,6 +1,6 @@
 //! The zone of a contact, and its extent.
 
-use crate::contact::{ContactResultants, NoHalfWidth};
+use crate::contact::{ContactResultants, NoHalfWidth, SideEnd};
 use crate::coupling::Segments;
 use crate::geometry::Geometry;
 use std::borrow::Cow;
@@ -16,5 +16,8 @@ pub struct ContactZone<'a, const S: usize, const N: usize> {
     pub sent: ContactResultants<N>,
 }
 
-/// Half the extent of a zone, with the symmetry of the contact.
-pub(super) type HalfWidth<const S: usize, const N: usize> = fn(&[ContactZone<'_, S, N>], bool) -> Option<Result<f64, NoHalfWidth>>;
+/// What a zone does at an end of a slave side: number of the zone, element of the side, and local coordinate there.
+pub type EndOfZone<'a> = &'a dyn Fn(usize, usize, f64) -> SideEnd;
+
+/// Half the extent of zones.
+pub(super) type HalfWidth<const S: usize, const N: usize> = fn(&[ContactZone<'_, S, N>], EndOfZone<'_>) -> Option<Result<f64, NoHalfWidth>>;

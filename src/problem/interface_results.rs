@@ -8,10 +8,15 @@ use super::resultant::Resultant;
 use super::state::{NO_CONTACT, StepState};
 use super::tie_field::TractionEvaluator;
 use crate::basis::Order;
-use crate::contact::{ContactRows, NoHalfWidth};
+use crate::contact::{ContactRows, NoHalfWidth, SideEnd};
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::Vector;
 use std::collections::BTreeMap;
+
+/// Distance from the axis of revolution, relative to the size of the model, below which a point is on it.
+const ON_AXIS: f64 = 1e-12;
+/// Displacement relative to the largest of the body below which a point does not move: rounding.
+const AT_REST: f64 = 1e-12;
 
 /// Force that a tie transmits, and jump of the unknown across it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -242,7 +247,22 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         }
         sum.balance = balance.defect();
         sum.moment = model.in_space(Resultant { moment: sum.moment, ..Resultant::default() }).moment;
-        sum.half_width = half_width(&zones, self.symmetry);
+        sum.half_width = half_width(&zones, &|zone, element, xi| self.side_end(model, &state.u, (zone, element, xi)));
         sum
+    }
+
+    /// What a zone does at an end of a slave side: part, element and local coordinate. On the axis of bodies of revolution it goes on.
+    fn side_end(&self, model: &Model<S, N>, u: &[f64], (part, element, xi): (usize, usize, f64)) -> SideEnd {
+        let slave = &self.parts[part].slave;
+        let (at, mut map) = ([Vector::<S>::repeat(xi)], MapTable::new());
+        slave.trace.space.map(element, &at, Order::Gradients, &mut map);
+        if self.symmetry || model.is_revolved() && map.x[0][0].abs() <= ON_AXIS * model.size {
+            return SideEnd::Mirrored;
+        }
+        let tangent = map.jacobian[0].column(0).normalize();
+        let moved = on_trace(&slave.trace, model.patches[slave.patch].field, u, element, &at)[0];
+        let along = tangent.iter().zip(moved).map(|(t, u)| t * u).sum::<f64>();
+        let largest = u[model.patches[slave.patch].range()].iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+        if along.abs() <= AT_REST * largest { SideEnd::Held } else { SideEnd::Free }
     }
 }

@@ -4,6 +4,7 @@ use super::assembled::System;
 use super::builder::Problem;
 use super::compiled::{Compiled, Library};
 use super::contact_zone::ContactZone;
+use super::contact_zone::EndOfZone;
 use super::coupled::{Integration, Multiplier, Rule};
 use super::error::ProblemErrors;
 use super::multipliers::{DualBases, constrained_ends};
@@ -43,7 +44,7 @@ pub trait InterfaceSide<const S: usize, const N: usize>: Dimension<S, N> {
     fn without_slivers(&self, psi: Box<dyn Basis<S>>, faced: &Segments<S>) -> Box<dyn Basis<S>>;
 
     /// Half the extent of the contact zone along slave sides that are one curve or several; `None` on surfaces.
-    fn half_width(zones: &[ContactZone<'_, S, N>], symmetry: bool) -> Option<Result<f64, NoHalfWidth>>;
+    fn half_width(zones: &[ContactZone<'_, S, N>], side_end: EndOfZone<'_>) -> Option<Result<f64, NoHalfWidth>>;
 
     /// The system of a problem, without the check of rigid motions; see [`Problem::assemble`].
     ///
@@ -106,12 +107,12 @@ impl InterfaceSide<1, 2> for Trace<1, 2> {
     fn without_slivers(&self, psi: Box<dyn Basis<1>>, faced: &Segments<1>) -> Box<dyn Basis<1>> {
         multiplier::without_slivers(psi, &*self.space, faced)
     }
-    fn half_width(zones: &[ContactZone<'_, 1, 2>], symmetry: bool) -> Option<Result<f64, NoHalfWidth>> {
+    fn half_width(zones: &[ContactZone<'_, 1, 2>], side_end: EndOfZone<'_>) -> Option<Result<f64, NoHalfWidth>> {
         let closed = zones.iter().map(|zone| {
             let sent = &zone.sent;
             ClosedSide { slave: zone.slave, segments: &zone.segments, closed: &sent.closed, pressure: &sent.pressure }
         });
-        Some(half_width(&closed.collect::<Vec<_>>(), symmetry))
+        Some(half_width(&closed.collect::<Vec<_>>(), side_end))
     }
     fn system_of(problem: &Problem<1, 2>) -> Result<System<1, 2>, ProblemErrors> {
         problem.system()
@@ -142,7 +143,7 @@ impl InterfaceSide<2, 3> for Trace<2, 3> {
     fn without_slivers(&self, psi: Box<dyn Basis<2>>, faced: &Segments<2>) -> Box<dyn Basis<2>> {
         multiplier::without_slivers(psi, &*self.space, faced)
     }
-    fn half_width(_: &[ContactZone<'_, 2, 3>], _: bool) -> Option<Result<f64, NoHalfWidth>> {
+    fn half_width(_: &[ContactZone<'_, 2, 3>], _: EndOfZone<'_>) -> Option<Result<f64, NoHalfWidth>> {
         None
     }
     fn system_of(problem: &Problem<2, 3>) -> Result<System<2, 3>, ProblemErrors> {

@@ -196,7 +196,7 @@ fn most_points<const D: usize, const N: usize>(space: &dyn Space<D, N>) -> usize
 }
 
 /// The times at which data are looked at.
-fn looked_at(times: &[f64], changes: bool) -> impl Iterator<Item = f64> + '_ {
+pub(super) fn looked_at(times: &[f64], changes: bool) -> impl Iterator<Item = f64> + '_ {
     let count = if changes { times.len() } else { times.len().min(1) };
     times[..count].iter().copied().step_by(count.div_ceil(TIMES).max(1))
 }

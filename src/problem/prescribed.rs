@@ -150,7 +150,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
 
     /// The trace of a side in functions of the model: unknown / components, glued ones by the one that stands for all, those
     /// that are combinations by the functions they are made of.
-    fn in_model(&self, side: &BodySide<S, N>) -> Trace<S, N> {
+    pub(super) fn in_model(&self, side: &BodySide<S, N>) -> Trace<S, N> {
         let own: Vec<usize> = side.trace.dofs.iter().map(|&dof| self.function(side.patch, dof)).collect();
         let combined = self.glued.combined();
         let parts: HashMap<usize, &[(usize, f64)]> = combined.iter().map(|(a, terms)| (self.glued.root(*a), terms.as_slice())).collect();

@@ -154,17 +154,19 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok(pieces.iter().filter(|piece| matches!(piece, RegionPart::Side(_))).map(RegionPart::measure).sum())
     }
 
-    /// Measure of the part of a side in which `holds` [length^S], which cuts through facets: they are halved where it jumps.
+    /// Measure of the part of sides in which `holds` [length^S], which cuts through facets: they are halved where it jumps.
     ///
     /// # Errors
-    /// [`ErrorKind::Side`], [`ErrorKind::OtherProblem`].
-    pub fn measure_where(&mut self, side: SideOf<'_>, holds: &dyn Fn(&Vector<N>) -> bool) -> Result<f64, ProblemError> {
-        let (whole, mut scratch) = (self.side(side)?, HalvedScratch::default());
-        let is_revolved = self.is_revolved;
+    /// Those of [`sides_of`](Self::sides_of).
+    pub fn measure_where<'a>(&mut self, on: impl Into<Region<'a>>, holds: &dyn Fn(&Vector<N>) -> bool) -> Result<f64, ProblemError> {
+        let (is_revolved, mut scratch, mut sum) = (self.is_revolved, HalvedScratch::default(), 0.0);
         let around = |x: &Vector<N>| if is_revolved { circumference(x) } else { 1.0 };
         let share = |x: &Vector<N>, _: &Matrix<N, S>| [if holds(x) { around(x) } else { 0.0 }];
-        let halved = Halved::new(&*whole.trace.space, whole.degree() + 1, 1);
-        Ok((0..whole.trace.space.num_elements()).map(|e| halved.element(e, &mut scratch, &share)[0]).sum())
+        for side in self.sides_of(on)? {
+            let halved = Halved::new(&*side.trace.space, side.degree() + 1, 1);
+            sum += (0..side.trace.space.num_elements()).map(|e| halved.element(e, &mut scratch, &share)[0]).sum::<f64>();
+        }
+        Ok(sum)
     }
 
     /// The sides of a region.

@@ -5,7 +5,7 @@ use coupled::{Bodies, KINDS, Kind};
 use faying::assembly::{gauss_rules, trace_load};
 use faying::basis::Basis;
 use faying::constraint::{ActiveSet, Condensed, ConstrainedSolution, ConstraintSolver, Direct};
-use faying::contact::{ClosedSide, ContactResultants, ContactRows, HalfPlane, Obstacle, Opponent, Surface, half_width};
+use faying::contact::{ClosedSide, ContactResultants, ContactRows, HalfPlane, Obstacle, Opponent, SideEnd, Surface, half_width};
 use faying::coupling::interface::{MergedCurve, slave_segments};
 use faying::coupling::multiplier::{MultiplierKind, build};
 use faying::coupling::{InterfaceQuadrature, Side};
@@ -235,7 +235,7 @@ fn a_half_cylinder_on_a_rigid_plane_has_the_pressure_of_hertz() {
             let plane = HalfPlane::try_new(Vector::<2>::zeros(), Vector::<2>::new(0.0, 1.0)).unwrap();
             // a set that is far too large is peeled one element per iteration: start from twice the gap at the zone's rim
             let r = solve(&model, (0, &side), Err(&plane), &*psi, 2, &|_, g| g, a * a / radius, saddle_point);
-            let width = half_width(&[side_of(&side, &r)], true).unwrap();
+            let width = half_width(&[side_of(&side, &r)], &|_, _, _| SideEnd::Mirrored).unwrap();
             let report = r.solution.active_set.as_ref().unwrap();
             println!(
                 "{name} {multiplier}: p0 {:.5} of {p0:.5}, a {width:.5} of {a}, {} unknowns, {} iterations",

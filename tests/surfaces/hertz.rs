@@ -16,7 +16,7 @@ const E_STAR: f64 = 1.0 / (1.0 - 0.3 * 0.3);
 /// Breakpoints from 0 to 1: `n` equal elements up to `end`, then elements that grow from there on.
 fn graded(end: f64, n: usize) -> Vec<f64> {
     let all = std::env::var("FAYING_HERTZ").is_ok_and(|v| v == "all");
-    let [n, rest] = if all { [n + n.div_ceil(2), 9] } else { [n, 6] };
+    let (n, rest) = if all { (n + n.div_ceil(2), 9) } else { (n, 6) };
     let mut at: Vec<f64> = (0..=n).map(|k| end * k as f64 / n as f64).collect();
     // sizes h q, h q², .. that add up to what is left
     let h = end / n as f64;

@@ -106,6 +106,10 @@ impl Display for Warning {
                 let [height, wave, pressure] = [height, wave, pressure].map(|v| digits(*v));
                 write!(f, "pressures of {of} at points have waves of {wave}, of {pressure}: its facets leave their surface by {height}")
             }
+            Self::CoarseValues { side, component, t, error, .. } => {
+                let (t, error) = (digits(*t), percent(*error));
+                write!(f, "functions of {side} miss {error} of the values prescribed of component {component} at t = {t}")
+            }
             Self::Kinematics { of, strain, rotation, allowed } => kinematics(of, [strain, rotation], *allowed, f),
         }
     }

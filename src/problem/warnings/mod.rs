@@ -27,6 +27,7 @@
 //! Loads, springs, prescribed values and moduli that jump inside of elements or have no bound are found by [`Model::inexact_integrals`].
 
 mod coarse_tie;
+mod coarse_values;
 mod coarse_zone;
 mod corner_values;
 mod display;
@@ -78,6 +79,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(hardly_held::hardly_held(self, first));
         found.extend(flux_jumps::flux_jumps(self, first));
         found.extend(self.inexact_integrals(times).into_iter().map(Warning::Inexact));
+        found.extend(coarse_values::coarse_values(self, times));
         found
     }
 

@@ -295,6 +295,19 @@ pub enum Warning {
         /// The largest pressure \[force/area\].
         pressure: f64,
     },
+    /// Prescribed values that the functions of a side hold badly.
+    CoarseValues {
+        /// The statement.
+        of: Statement,
+        /// Label of the side.
+        side: String,
+        /// The component.
+        component: usize,
+        /// The time at which they are held worst.
+        t: f64,
+        /// |g - g_h| / |g| of the values g and what the functions have of them, in L2 over the side.
+        error: f64,
+    },
     /// Strains or rotations beyond 0.1 in more than 1e-2 of a body: small kinematics do not hold.
     Kinematics {
         /// The body.
@@ -334,7 +347,7 @@ impl Warning {
             | Self::GapPressure { of, .. }
             | Self::WavyFacets { of, .. }
             | Self::Kinematics { of, .. } => Some(of),
-            Self::CornerValues { .. } | Self::FacetsApart(_) | Self::Inexact(_) => None,
+            Self::CornerValues { .. } | Self::FacetsApart(_) | Self::Inexact(_) | Self::CoarseValues { .. } => None,
         }
     }
 

@@ -122,18 +122,23 @@ pub(super) fn cut<const S: usize, const N: usize>(
     on: &[Located<SideRef>],
     kept: &[RegionId],
 ) -> Option<Diagnostic> {
-    let kept: f64 = kept.iter().filter_map(|region| problem.measure(*region).ok()).sum();
     let holds = |x: &Vector<N>| filter.value.value(&Point::new(x.as_slice())) != 0.0;
-    let mut exact = 0.0;
+    let (mut taken, mut inside, mut exact) = (0.0, 0.0, 0.0);
+    for region in kept {
+        taken += problem.measure(*region).unwrap_or(0.0);
+        inside += problem.measure_where(*region, &holds).unwrap_or(0.0);
+    }
     for wanted in on {
         let side = places.bodies[wanted.value.patch].side(&wanted.value.side);
         exact += problem.measure_where(side, &holds).unwrap_or(0.0);
     }
-    ((kept - exact).abs() > CUT * exact.max(kept)).then(|| {
+    let (beside, least) = (taken - inside, CUT * exact.max(taken));
+    (beside + exact - inside > least).then(|| {
         let what = if N == 2 { "length" } else { "area" };
+        let elsewhere = if beside > least { format!(", {} of it where it does not", short(beside)) } else { String::new() };
         let text = format!(
-            "`where` of \"{name}\" cuts facets, which it keeps or leaves whole: a {what} of {} for the {} in which `{}` holds",
-            short(kept),
+            "`where` of \"{name}\" cuts facets, which it keeps or leaves whole: a {what} of {} for the {} in which `{}` holds{elsewhere}",
+            short(taken),
             short(exact),
             filter.value.text()
         );

@@ -78,6 +78,23 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
     Some(Diagnostic::warning("E017", text).at(&case.source, at).with_help(help))
 }
 
+/// Returns the diagnostic of prescribed values that the mesh holds badly: side, component, time and share in the mean.
+pub fn coarse_values<const S: usize, const N: usize>(
+    case: &Case,
+    model: &LoweredCase<S, N>,
+    of: Statement,
+    (side, component, t, error): (&str, usize, f64, f64),
+) -> Diagnostic {
+    let when = if case.has_steps() { format!(" at t = {}", short(t)) } else { String::new() };
+    let text = format!(
+        "the mesh does not have the values of {} prescribed on `{side}`{when}: in the mean it is {} % off",
+        component_name(component, model.system.contents().components()),
+        percent(error)
+    );
+    let help = "values that change within an element need smaller ones; where they jump give each part a [[boundary]] with `where`";
+    Diagnostic::warning("E017", text).at(&case.source, model.places.at(of)).with_help(help)
+}
+
 /// The formula of a load that is no number, else its block.
 fn place_of_load(block: &Boundary) -> SourceSpan {
     let varies = |f: &&Located<Formula>| f.value.as_constant().is_none();

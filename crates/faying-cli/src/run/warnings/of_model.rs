@@ -13,6 +13,9 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
     if let Warning::Inexact(found) = warning {
         return loads::diagnostic(case, model, found);
     }
+    if let Warning::CoarseValues { of, side, component, t, error } = warning {
+        return Some(loads::coarse_values(case, model, *of, (side, *component, *t, *error)));
+    }
     let of = warning.subject()?;
     let name = &of.name;
     let block = |number: usize| case.patches[number].head.at;
