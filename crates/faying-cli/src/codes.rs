@@ -93,10 +93,11 @@ pub const CODES: &[Code] = &[
         "E017",
         3,
         "formula",
-        "A quoted formula cannot be read. The caret stands at the character where reading stopped. Formulas know + - * / ^, comparisons, if(c, a, b), the usual functions, pi, e, x, y, z, t, r, theta and the names of [let]. Data of sides and loads must be finite at every point where they are integrated. \
+        "A quoted formula cannot be read. The caret stands at the character where reading stopped. Formulas know + - * / ^, comparisons, if(c, a, b), sin cos tan asin acos atan atan2 sinh cosh tanh exp log (the natural one) sqrt abs min max pow sign, pi, e, x, y, z, t, r, theta and the names of [let]. Data of sides and loads must be finite at every point where they are integrated. \
          As a warning: an `exact` made of pieces whose flux jumps inside a body or across an interface. The source that follows from it is taken at points and \
          lacks the jump, so that the case solves for something else and errors do not fall. \
-         Or a load, springs, prescribed values or a modulus jump inside of elements or have no bound, or `where` cuts facets: the rule of integration misses more than 1e-3 of the force, the moment, the value or the stiffness; both values are told.",
+         Or a load, springs, prescribed values or a modulus jump inside of elements or have no bound, or `where` cuts facets: the rule of integration misses more than 1e-3 of the force, the moment, the value or the stiffness; both values are told. \
+         Or the functions of a side miss more than 30 % of the values that are prescribed on it, in the mean.",
         "pressure = \"p*sin(x\"  # a bracket is missing",
         "correct the formula at the caret; define the names it uses in [let].",
     ),
@@ -106,7 +107,7 @@ pub const CODES: &[Code] = &[
         "unknown quantity",
         "A quantity of a probe or a check is not known. The message names the nearest one.",
         "[[probe]]\nquantity = \"contact.pad.presure.max\"",
-        "write the quantity that the message names: contact.pad.pressure.max.",
+        "write a quantity of the reference, such as u.y at [1, 0.5], stress.yy.max, reaction.PATCH.SIDE.y, contact.NAME.force.y; `faying explain stress.xx` tells what one is.",
     ),
     code(
         "E019",

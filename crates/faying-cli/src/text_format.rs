@@ -3,9 +3,13 @@
 use faying::problem::SideView;
 use std::sync::Arc;
 
+/// Sizes of numbers that are written without an exponent.
+const PLAIN: std::ops::Range<f64> = 1e-9..1e15;
+
 /// Formats a number with four digits.
 pub(crate) fn short(x: f64) -> String {
-    format!("{x:.3e}").parse::<f64>().map_or_else(|_| x.to_string(), |v| format!("{v}"))
+    let plain = |v: f64| if v == 0.0 || PLAIN.contains(&v.abs()) { format!("{v}") } else { format!("{v:e}") };
+    format!("{x:.3e}").parse::<f64>().map_or_else(|_| x.to_string(), plain)
 }
 
 /// Formats a share in percent with two digits.

@@ -42,7 +42,7 @@ pub enum Command {
     Quadrature(StudyCommand),
     /// Stability of multiplier pairs: inf-sup constants of slave sides, level by level
     Infsup(InfsupArguments),
-    /// One row per value of a key
+    /// One row per value of a key; checks are decided on the case as written
     Sweep(StudyCommand),
     /// Say what is in a mesh, a geometry, a .vtu or a case
     Inspect(InspectArguments),

@@ -5,12 +5,14 @@ use super::ended::Exit;
 use super::folder::{write_new, write_whole};
 use super::{case, geometries, place};
 use crate::Registry;
-use crate::case::Case;
+use crate::case::{Case, Patch};
 use crate::errors::{Diagnostic, nearest};
 use crate::inspect::{Inspection, add_fields, inspect as look, mesh_of, picture};
+use crate::place::Located;
 use crate::plot::faces::{self, FacePlot};
 use crate::run::memory_for_files;
 use crate::text_format::bytes;
+use faying::space::Divisions;
 use faying_files::{Contents, FileError, Limits, beside, parse_with, read, read_bytes, vtu_read};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -168,15 +170,26 @@ pub fn check_place(arguments: &InspectArguments, json: Option<&Path>) -> Result<
 }
 
 /// Contents of a case beside its geometry, as text and as JSON.
+/// Elements per direction as the case asks for them: "4 x 3", "2 per span x 2 per span".
+fn elements(patch: &Patch) -> String {
+    let halved = 1 << patch.refine.value.min(60);
+    let along = |d: &Located<Divisions>| match &d.value {
+        Divisions::Total(n) => (n * halved).to_string(),
+        Divisions::PerSpan(n) => format!("{} per span", n * halved),
+        Divisions::Breakpoints(list) => (list.len().saturating_sub(1) * halved).to_string(),
+    };
+    patch.elements.value.iter().map(along).collect::<Vec<_>>().join(" x ")
+}
+
 fn of_case(case: &Case) -> (String, Value) {
-    let mut table = crate::table::Table::new(["patch", "geometry", "backend", "degree", "material"]);
+    let mut table = crate::table::Table::new(["patch", "geometry", "backend", "degree", "elements", "material"]);
     let mut list = Vec::new();
     for p in &case.patches {
         let d = &p.discretization;
         let degree: Vec<String> = d.degree.value.iter().map(usize::to_string).collect();
         let material = case.materials.get(p.material.value).map_or(String::new(), |m| m.name.value.clone());
         let kind = p.geometry.value.shape.value.kind().to_owned();
-        table.row([p.name.value.clone(), kind.clone(), d.backend.value.clone(), degree.join(" x "), material.clone()]);
+        table.row([p.name.value.clone(), kind.clone(), d.backend.value.clone(), degree.join(" x "), elements(p), material.clone()]);
         list.push(
             json!({"name": p.name.value, "geometry": kind, "backend": d.backend.value, "degree": d.degree.value, "material": material}),
         );

@@ -365,7 +365,8 @@ impl Parser<'_> {
             let message = if self.scope.constants.get(name).is_some() || is_reserved(name) {
                 format!("`{name}` is no function; products are written with `*`")
             } else {
-                let near = nearest(name, known.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
+                let near = if name == "ln" { Some("log") } else { nearest(name, known.iter().copied()) };
+                let near = near.map_or(String::new(), |n| format!("; did you mean `{n}`?"));
                 format!("unknown function `{name}`{near}")
             };
             return Err(FormulaError::new(message, start, name.chars().count()).with_help(format!("functions: {}", known.join(", "))));

@@ -15,7 +15,7 @@ use serde_json::Value;
 pub enum Answer {
     /// One number.
     One(f64),
-    /// An extreme of a field, and its place.
+    /// A value and its place: an extreme of a field, or that of the nearest point of a body.
     Placed(f64, Vec<f64>),
     /// Least and largest value of a field, each with its place.
     Range([(f64, Vec<f64>); 2]),
@@ -78,7 +78,10 @@ pub fn evaluate<const S: usize, const N: usize>(prepared: &Prepared<S, N>, solut
                 mean.stress.iter_mut().zip(p.stress).for_each(|(m, v)| *m += share * v);
                 mean.strain.iter_mut().zip(p.strain).for_each(|(m, v)| *m += share * v);
             }
-            finite(field.value(&mean))
+            match finite(field.value(&mean)) {
+                Answer::One(value) if spot.moved => Answer::Placed(value, mean.x.as_slice().to_vec()),
+                answer => answer,
+            }
         }
         Prepared::FunctionSpace(field, bodies, reduce) => over(solution, field, bodies, *reduce),
         Prepared::SideForce(sides, component) => finite(sides.iter().map(|side| side_force(solution, side, *component)).sum()),

@@ -89,7 +89,7 @@ fn field<const S: usize, const N: usize>(
             let near = OFF * locators.contents().body(patch).space().bounds(at.element).diagonal();
             if at.distance <= near && best.as_ref().is_none_or(|(distance, _)| at.distance < *distance) {
                 let elements = locators.around(patch, at.element, at.xi, &at.x);
-                best = Some((at.distance, Spot { patch, shared: false, elements }));
+                best = Some((at.distance, Spot { patch, shared: false, moved: false, elements }));
             }
         }
         found.push(best.map(|(_, spot)| Prepared::At(field, spot)));

@@ -15,6 +15,8 @@ pub struct Spot<const N: usize> {
     pub patch: usize,
     /// Whether other patches contain it, too, and none was asked for.
     pub shared: bool,
+    /// Whether it is the nearest point of the body to one outside of it.
+    pub moved: bool,
     /// Elements that contain the point, with local coordinates: several on common edges.
     pub elements: Vec<(usize, Vector<N>)>,
 }

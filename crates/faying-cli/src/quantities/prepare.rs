@@ -18,6 +18,8 @@ use serde_json::Value;
 pub(super) const OFF: f64 = 0.25;
 /// Most numbers that a message lists.
 const NAMED: usize = 12;
+/// Distance from a body relative to the size of the model from which on a point counts as moved to it.
+const MOVED: f64 = 1e-6;
 /// Notation of a point, in the plane and in space.
 const POINT: [&str; 2] = ["[x, y]", "[x, y, z]"];
 
@@ -170,7 +172,8 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
         let names: Vec<&str> = self.contents.bodies().map(|b| b.name()).collect();
         names.iter().position(|n| *n == name).ok_or_else(|| {
             let near = nearest(name, names.iter().copied()).map_or(String::new(), |n| format!("; did you mean `{n}`?"));
-            self.fault("E021", format!("there is no patch \"{name}\"; patches are {}{near}", names.join(", ")), at)
+            let fault = self.fault("E021", format!("there is no patch \"{name}\"; patches are {}{near}", names.join(", ")), at);
+            Box::new(fault.with_help(format!("write `in {}`, or leave `in` out", names.first().copied().unwrap_or("PATCH"))))
         })
     }
 
@@ -246,14 +249,16 @@ impl<'a, const S: usize, const N: usize> Preparer<'a, S, N> {
             ));
         };
         let shared = distances.iter().filter(|d| **d <= distance + rounding).count() > 1;
-        Ok(Spot { patch, shared, elements: self.locators.around(patch, element, xi, &x) })
+        let moved = distance > MOVED * self.contents.size().diagonal;
+        Ok(Spot { patch, shared, moved, elements: self.locators.around(patch, element, xi, &x) })
     }
 
     fn path(&self, text: &str, mut path: Vec<String>, at: SourceSpan) -> Result<Prepared<S, N>, Box<Diagnostic>> {
         if path[0] == "reaction" || path[0] == "reactions" {
             path = self.support(path);
         }
-        if look_up(self.skeleton, &path).is_some() {
+        // a number that some solvers have
+        if look_up(self.skeleton, &path).is_some() || path == ["solve", "condition"] {
             return Ok(Prepared::Path(path));
         }
         if let ("area" | "volume", Some(measured)) = (path[0].as_str(), self.measure_of(&path[1..].join("."))) {

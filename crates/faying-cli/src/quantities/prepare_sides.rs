@@ -56,7 +56,12 @@ impl<const S: usize, const N: usize> Preparer<'_, S, N> {
         let component = match (component, self.contents.components()) {
             (None, 1) => 0,
             (Some(c), n) if n > 1 && c < n => c,
-            (None, _) => return Err(self.fault("E018", format!("`{text}`: a force has components; write force.{side}.x"), at)),
+            (None, _) => {
+                let side = side.strip_suffix(".moment").unwrap_or(side);
+                let fault = self.fault("E018", format!("`{text}`: a force has components; write force.{side}.x"), at);
+                let help = "moments are those of ties (interface.NAME.moment), contacts (contact.NAME.moment), loads (loads.NAME.moment) and of cuts in the plane";
+                return Err(Box::new(fault.with_help(help)));
+            }
             (_, n) => {
                 let known = if n == 1 { format!("force.{side}") } else { format!("force.{side}.x to .{}", ["x", "y", "z"][n - 1]) };
                 let fault = self.fault("E018", format!("`{text}`: there is no such component"), at);

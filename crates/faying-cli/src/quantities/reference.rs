@@ -69,8 +69,8 @@ pub const QUANTITIES: &[QuantityRow] = &[
     row("error.lambda.L2", "L2 norm of the error of all multipliers over the slave sides; with .rel relative", "", "error.lambda.L2"),
     row("error.NAME.lambda.L2", "L2 norm of the error of the multiplier of one interface or contact", "", "error.arc.lambda.L2"),
     row(
-        "reactions.SIDE",
-        "force of the supports of a side on its body, a list of components; reaction.SIDE.x is a component. Unknowns in a corner or an edge of two supported sides count at one of them: force.PATCH.SIDE.x has no such share",
+        "reaction.SIDE.x",
+        "force of the supports of a side on its body, along x, y or z (reactions.SIDE in result.json is a list of all). Unknowns in a corner or an edge of two supported sides count at one of them: force.PATCH.SIDE.x has no such share",
         "force",
         "reaction.lower.bottom.y",
     ),
@@ -95,8 +95,18 @@ pub const QUANTITIES: &[QuantityRow] = &[
         "force",
         "balance.force.y",
     ),
-    row("area.PATCH", "area of a patch in the plane, volume.PATCH in space", "length^2", "area.lower"),
-    row("length.PATCH.SIDE", "length of a side in the plane, area.PATCH.SIDE in space", "length", "length.lower.top"),
+    row(
+        "area.PATCH",
+        "area of a patch in the plane, volume.PATCH in space; of bodies of revolution the whole volume",
+        "length^2, length^3",
+        "area.lower",
+    ),
+    row(
+        "length.PATCH.SIDE",
+        "length of a side in the plane, area.PATCH.SIDE in space; of bodies of revolution the whole area",
+        "length, length^2",
+        "length.lower.top",
+    ),
     row(
         "interface.NAME.lambda",
         "multiplier of a tie at a point of the slave side: minus the slave's traction (k du/dn in Poisson's equation)",
@@ -140,7 +150,7 @@ pub const QUANTITIES: &[QuantityRow] = &[
     row("contact.NAME.area", "measure of the zone, integrated on segments: a length, in space an area", "length", "contact.pad.area"),
     row(
         "contact.NAME.half_width",
-        "half the extent of the zone along the slave, in the plane (all of it with symmetry = true); null with a reason where the pressure near its end does not allow it",
+        "half the extent of the zone along the slave, in the plane (all of it with symmetry = true, and where it ends on the axis of revolution); null with a reason where the pressure near its end does not allow it, or where it ends at an end of the side that does not move along it",
         "length",
         "contact.pad.half_width",
     ),
@@ -179,7 +189,7 @@ pub fn find(word: &str) -> Vec<&'static QuantityRow> {
         };
         return QUANTITIES.iter().filter(|k| k.pattern == known).collect();
     }
-    let head = word.split([' ', '[']).next().unwrap_or_default().replace("displacement", "u").replace("reaction.", "reactions.");
+    let head = word.split([' ', '[']).next().unwrap_or_default().replace("displacement", "u").replace("reactions.", "reaction.");
     let head = head.trim_end_matches(".gauss").trim_end_matches(".rel");
     let whole: Vec<&QuantityRow> = QUANTITIES
         .iter()

@@ -115,8 +115,9 @@ impl StudyPlan<'_> {
             let found = known.unwrap_or_else(|| {
                 begins(k, specs.len(), &label(spec, &self.axes));
                 // a method without answers to quantities decides its checks itself
-                let checked =
-                    self.compares || !method.answers_quantities() || case.as_ref().is_ok_and(|case| case.effective_toml() == as_written);
+                let checked = self.compares
+                    || !method.answers_quantities()
+                    || case.as_ref().is_ok_and(|case| same_case(case.effective_toml(), &as_written));
                 let mut rows = Row::begun(self.command, spec, &base).solved_by(method, case.as_ref().map_err(Clone::clone), &base, watch);
                 rows.iter_mut().filter(|_| !checked).for_each(Row::leave_checks);
                 rows
@@ -318,6 +319,24 @@ pub(super) fn names_of<'a, I: Iterator<Item = &'a String>>(rows: &'a [Row], of: 
         }
     }
     names
+}
+
+/// Whether two effective cases are the same, however their numbers are spelt: 1 and 1.0.
+fn same_case(a: &str, b: &str) -> bool {
+    a == b || matches!((a.parse::<toml::Table>(), b.parse::<toml::Table>()), (Ok(a), Ok(b)) if same_table(&a, &b))
+}
+
+fn same_table(a: &toml::Table, b: &toml::Table) -> bool {
+    a.len() == b.len() && a.iter().all(|(key, value)| b.get(key).is_some_and(|other| same_value(value, other)))
+}
+
+fn same_value(a: &toml::Value, b: &toml::Value) -> bool {
+    match (a, b) {
+        (toml::Value::Integer(a), toml::Value::Float(b)) | (toml::Value::Float(b), toml::Value::Integer(a)) => *a as f64 == *b,
+        (toml::Value::Array(a), toml::Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same_value(a, b)),
+        (toml::Value::Table(a), toml::Value::Table(b)) => same_table(a, b),
+        _ => a == b,
+    }
 }
 
 /// |a - b| / max(|a|, |b|); 0 if both are zero, NaN if one is not finite.

@@ -268,6 +268,33 @@ fn prescribed_values_without_a_bound_are_told() {
     }
 }
 
+/// Values that change or jump within elements are told where functions miss more than 30 % of them, in the plane and in space.
+#[test]
+fn prescribed_values_that_the_mesh_does_not_have_are_told() {
+    let missed = |text: &str| {
+        let result = run(text);
+        e017(&result).iter().filter(|w| w.message.contains("the mesh does not have the values of u prescribed on `a.bottom`")).count()
+    };
+    for backend in ["iga", "fe"] {
+        for (n, value, wanted) in [
+            (10, "sin(400*x)", 1),
+            (10, "if(abs(x - 0.72) < 0.02, 1, 0)", 1),
+            (10, "sin(10*x)", 0),
+            (10, "if(x < 0.37, 1, 2)", 0),
+            (200, "sin(400*x)", 0),
+        ] {
+            assert_eq!(missed(&plate(2, n, backend, &format!("\"{value}\""))), wanted, "{backend} {n} {value}");
+        }
+        let solid = plate(2, 4, backend, "\"sin(400*x)\"")
+            .replace("dimension = 2", "dimension = 3")
+            .replace("max = [1, 1]", "max = [1, 1], extrude = 1");
+        assert_eq!(missed(&solid.replace("[4, 4]", "[4, 4, 2]")), 1, "{backend}");
+        // only at one of the steps
+        let late = plate(2, 10, backend, "\"if(t > 1.5, sin(400*x), 0)\"").replace("[[patch]]", "[steps]\nt = [1, 2]\n[[patch]]");
+        assert_eq!(missed(&late), 1, "{backend}");
+    }
+}
+
 #[test]
 fn values_of_an_exact_solution_that_are_not_finite_name_the_point_and_the_time() {
     let on = |side: &str, u: &str, steps: &str| {

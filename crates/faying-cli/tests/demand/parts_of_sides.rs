@@ -133,3 +133,28 @@ fn an_obstacle_that_moves_has_no_gaps_of_facets() {
     let faults = solve(text).unwrap_err().to_string();
     assert!(faults.contains("E015") && faults.contains("the obstacle moves"), "{faults}");
 }
+
+/// What `where` keeps is told where it is not the part in which it holds, though its length be the same.
+#[test]
+fn a_border_within_a_facet_is_told_whatever_length_is_kept() {
+    let text = |part: &str, statement: &str| {
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1000\npoisson = 0\n[[patch]]\nname = \"b\"\n\
+             geometry = {{ kind = \"box\", min = [0, 0], max = [10, 1] }}\nelements = [10, 2]\n[[boundary]]\non = \"b.left\"\nfix = [\"x\", \"y\"]\n\
+             [[boundary]]\nname = \"part\"\non = \"b.bottom\"\nwhere = \"{part}\"\n{statement}\n"
+        )
+    };
+    for statement in ["pressure = 0.01", "fix = [\"y\"]", "spring = { y = 1.0 }"] {
+        for (part, words) in [
+            ("abs(x - 7.2) < 0.5", Some("a length of 1 for the 1 in which `abs(x - 7.2) < 0.5` holds, 0.3 of it where it does not")),
+            ("x > 4.9", Some("a length of 5 for the 5.1 in which `x > 4.9` holds")),
+            ("abs(x - 7.5) < 0.5", None),
+            ("x > 5", None),
+        ] {
+            let result = solve(&text(part, statement)).unwrap_or_else(|e| panic!("{e}"));
+            let found = result.warnings.iter().find(|w| w.code == "E017").map(|w| w.message.clone());
+            assert_eq!(found.is_some(), words.is_some(), "{part} {statement}: {found:?}");
+            assert!(words.is_none_or(|w| found.as_ref().unwrap().contains(w)), "{part} {statement}: {found:?}");
+        }
+    }
+}

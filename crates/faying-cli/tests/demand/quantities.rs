@@ -258,3 +258,14 @@ fn what_is_asked_wrongly_is_told() {
         assert!(faults.contains(code) && faults.contains(part), "{quantity}: {faults}");
     }
 }
+
+/// A point off the body by less than a quarter of an element is taken at the nearest one, and the answer says where.
+#[test]
+fn a_point_beside_the_body_says_where_it_is_taken() {
+    let text = "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = { u = \"x\" }\n[[patch]]\nname = \"a\"\ngeometry = { kind = \"box\", min = [0, 0], max = [2, 1] }\n\
+        elements = [2, 1]\n[[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n[[probe]]\nname = \"off\"\nquantity = \"u at [2.2, 0.5]\"\n\
+        [[probe]]\nname = \"on\"\nquantity = \"u at [2, 0.5]\"\n[[check]]\nquantity = \"u at [2.2, 0.5]\"\nequals = 2\nrtol = 1e-9\n";
+    let result = run(text);
+    assert_eq!(result.probes[0].at.as_deref().map(|at| [at[0], at[1]]), Some([2.0, 0.5]));
+    assert!(result.probes[1].at.is_none() && (result.probes[0].value - 2.0).abs() < 1e-9, "{:?}", result.probes);
+}

@@ -407,6 +407,22 @@ fn wrong_values_say_what_to_write() {
     }
 }
 
+/// The row of the case as written decides its checks, however its numbers are spelt.
+#[test]
+fn a_number_of_a_sweep_may_be_spelt_as_it_likes() {
+    let at = folder(
+        &SQUARE
+            .replace("[model]", "[let]\nF = 1.0\n[model]")
+            .replace("[[probe]]", "[[check]]\nquantity = \"u at [0.5, 0.4]\"\nbelow = 0\n[[probe]]"),
+    );
+    for spelt in ["1", "1.0", "1e0"] {
+        let out = faying(at.path(), &["sweep", "a.toml", "--vary", &format!("let.F={spelt}"), "--force"]);
+        assert_eq!(out.status.code(), Some(1), "{spelt}: {}", String::from_utf8_lossy(&out.stderr));
+    }
+    let out = faying(at.path(), &["sweep", "a.toml", "--vary", "let.F=2", "--force"]);
+    assert_eq!(out.status.code(), Some(0), "{}", String::from_utf8_lossy(&out.stderr));
+}
+
 #[test]
 fn a_sweep_draws_numbers_on_an_axis_and_words_side_by_side() {
     let at = folder(SQUARE);
