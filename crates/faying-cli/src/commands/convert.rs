@@ -8,6 +8,7 @@ use super::place;
 use crate::Registry;
 use crate::convert::{ConvertOptions, convert as written, format_of, memory};
 use crate::errors::{Diagnostic, Diagnostics};
+use faying_files::FileError;
 use serde_json::json;
 use std::path::Path;
 
@@ -38,7 +39,11 @@ fn converted(registry: &Registry, arguments: &ConvertArguments, common: &Common)
     let options = ConvertOptions { order: arguments.order.map(usize::from), binary: arguments.binary };
     room(input, memory(&read, to, &options), common)?;
     let pool = case::pool(common)?;
-    let made = pool.install(|| written(&read, to, &options)).map_err(|e| Exit::from(fault(output, &e)))?;
+    let made = pool.install(|| written(&read, to, &options)).map_err(|e| {
+        let of_format = matches!(e, FileError::Unsupported { .. });
+        let fault = fault(output, &e);
+        Exit::from(if of_format { fault.with_help("give OUT the ending of a format that holds it: .msh, .vtu or .mesh") } else { fault })
+    })?;
     write(output, &made.bytes, common.force)?;
     let shown = output.display().to_string();
     let mut diagnostics = Diagnostics::new();

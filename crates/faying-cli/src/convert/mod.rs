@@ -94,6 +94,14 @@ pub fn convert(contents: &Contents, to: Format, options: &ConvertOptions) -> Res
                         let (order, far) = (sampled.order, short(sampled.distance, 3));
                         lost.push(format!("the exact shape: cells of order {order} are up to {far} away from it"));
                     }
+                    let collapsed = file.patches.iter().enumerate().flat_map(|(k, patch)| {
+                        let name = patch.name.clone().unwrap_or_else(|| k.to_string());
+                        patch.collapsed_sides().into_iter().map(move |side| format!("{name}.{side}"))
+                    });
+                    let collapsed = collapsed.collect::<Vec<_>>().join(", ");
+                    if !collapsed.is_empty() {
+                        lost.push(format!("the common points of {collapsed}: nodes lie in one place there and belong to one cell each"));
+                    }
                     return Ok(Converted { bytes: of_mesh(&sampled.mesh, to, options)?, lost });
                 }
             };

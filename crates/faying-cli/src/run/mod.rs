@@ -459,7 +459,7 @@ impl<const S: usize, const N: usize> Measures<'_, S, N> {
         };
         if let Some(solution) = solution {
             report::fill(result, solution, self.reference, reason);
-            warnings::of_solution(case, solution, &mut self.told, result);
+            warnings::of_solution(case, (solution, fault.is_some()), &mut self.told, result);
             result.t = case.has_steps().then_some(t);
             let solved = matches!(failure, None | Some(StepError::Solve(SolveError::Stopped { .. }) | StepError::Free { .. }));
             if solved && !solution.unknowns().iter().chain(solution.multipliers()).all(|v| v.is_finite()) {

@@ -359,6 +359,12 @@ fn splines_become_curved_cells_with_a_group_per_patch_side_and_label() {
     assert!(off.windows(2).all(|w| w[1] < w[0]) && off[3] < 0.1 * off[1], "{off:?}");
     let (_, disc) = json(at.path(), &["convert", "ring.xml", "ring.vtu"]);
     assert_eq!(disc["exit"], 0);
+    // nodes of a collapsed side lie in one place
+    let case = "[model]\nphysics = \"poisson\"\ndimension = 2\n[[patch]]\nname = \"disc\"\nelements = [3, 2]\n\
+        geometry = { kind = \"disc-sector\", radius = 1, angle_deg = [0, 90] }\n[[boundary]]\non = \"disc.v1\"\nfix = \"u\"\n";
+    std::fs::write(at.path().join("disc.toml"), case).unwrap();
+    let (code, done) = json(at.path(), &["convert", "disc.toml", "disc.msh"]);
+    assert!(code == 0 && done["lost"].to_string().contains("the common points of disc.v0"), "{done}");
 }
 
 #[test]
@@ -366,6 +372,7 @@ fn what_cannot_be_converted_says_why_and_writes_nothing() {
     let at = folder(&[("ring.xml", RING), ("mixed.msh", MIXED), ("there.msh", "mine")]);
     for (words, exit, part) in [
         (&["convert", "mixed.msh", "mixed.xml"][..], 3, "holds spline patches"),
+        (&["convert", "mixed.msh", "mixed.xml"], 3, "give OUT the ending of a format that holds it"),
         (&["convert", "mixed.msh", "mixed.stl"], 2, "names no format"),
         (&["convert", "mixed.msh", "there.msh"], 4, "exists"),
         (&["convert", "mixed.msh", "./mixed.msh", "--force"], 2, "write over"),

@@ -15,10 +15,11 @@ pub fn of_model<const S: usize, const N: usize>(case: &Case, model: &LoweredCase
     model.system.accuracy_warnings().iter().filter_map(|w| of_model::diagnostic(case, model, w)).collect()
 }
 
-/// Adds the warnings about a solution, each once over all steps: those that were `told` are not repeated with other figures.
+/// Adds the warnings about a solution, each once over all steps: those that were `told` are not repeated with other figures. Of a state that
+/// is none, because its step failed, zones are not judged.
 pub fn of_solution<const S: usize, const N: usize>(
     case: &Case,
-    solution: &Solution<S, N>,
+    (solution, failed): (&Solution<S, N>, bool),
     told: &mut Vec<Warning>,
     result: &mut RunResult,
 ) {
@@ -28,7 +29,12 @@ pub fn of_solution<const S: usize, const N: usize>(
     result.errors_reason = (!open.is_empty()).then(|| open.join("; "));
     // sides that come apart by a poor integration are not told to be coarse
     let inexact = |of: Option<&Subject>| found.iter().any(|w| matches!(w, Warning::Integration { .. }) && w.subject() == of);
-    for new in found.iter().filter(|w| !(matches!(w, Warning::CoarseTie { .. }) && inexact(w.subject()))) {
+    let is_void = |w: &Warning| match w {
+        Warning::CoarseTie { .. } => inexact(w.subject()),
+        Warning::CoarseZone { .. } => failed,
+        _ => false,
+    };
+    for new in found.iter().filter(|w| !is_void(w)) {
         if !told.iter().any(|old| old.repeats(new)) {
             result.warnings.extend(of_state::diagnostic(case, new));
             told.push(new.clone());
