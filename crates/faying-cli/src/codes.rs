@@ -265,9 +265,10 @@ pub const CODES: &[Code] = &[
         "E053",
         3,
         "material limits",
-        "The material's constants leave the range in which the problem can be solved: -1 < poisson < 0.5, young > 0, conductivity > 0. Formulas are checked at the quadrature points.",
+        "The material's constants leave the range in which the problem can be solved: -1 < poisson < 0.5, young > 0, conductivity > 0. Formulas are checked at the quadrature points. \
+         As a warning: a body of degree 1 with poisson above about 0.49 (but in plane stress) is too stiff, several times on coarse meshes: volumetric locking.",
         "poisson = 0.5          # plane strain: incompressible",
-        "write a value within the limits, such as poisson = 0.499 or young = 1.0.",
+        "write a value within the limits, such as poisson = 0.499 (with degree 2 or more) or young = 1.0.",
     ),
     code(
         "E054",

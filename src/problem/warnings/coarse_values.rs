@@ -9,7 +9,7 @@ use crate::basis::{Order, ShapeTable};
 use crate::geometry::MapTable;
 use crate::linalg::measure;
 use crate::problem::data::{Data, Point};
-use crate::problem::load_accuracy::looked_at;
+use crate::problem::load_accuracy::{Integral, looked_at};
 use crate::problem::model::{Condition, Model, Value};
 use crate::quadrature::Quadrature;
 
@@ -18,10 +18,15 @@ const COARSE: f64 = 0.3;
 /// Gauss points per direction beyond those of the side, to see what its own points do not.
 const EXTRA: usize = 8;
 
-/// Finds the conditions whose values the functions of their sides hold badly at one of `times`, each at the worst of them.
-pub(super) fn coarse_values<const S: usize, const N: usize>(model: &Model<S, N>, times: &[f64]) -> Vec<Warning> {
+/// Finds the conditions whose values the functions of their sides hold badly at one of `times`, each at the worst of them; those whose integral
+/// is inexact are `told` already.
+pub(super) fn coarse_values<const S: usize, const N: usize>(model: &Model<S, N>, times: &[f64], told: &[Warning]) -> Vec<Warning> {
     let varying = |c: &&Condition<S, N>| matches!(&c.value, Value::Data(f) if f.as_constant().is_none());
-    let asked: Vec<&Condition<S, N>> = model.conditions.iter().filter(varying).collect();
+    let is_told = |c: &&Condition<S, N>| {
+        let same = |of: &Integral| matches!(of, Integral::Prescribed { of, component, .. } if *of == c.of && *component == c.component);
+        told.iter().any(|w| matches!(w, Warning::Inexact(inexact) if same(&inexact.of)))
+    };
+    let asked: Vec<&Condition<S, N>> = model.conditions.iter().filter(varying).filter(|c| !is_told(c)).collect();
     let changes = asked.iter().any(|c| matches!(&c.value, Value::Data(f) if f.depends_on_time()));
     let mut worst = vec![(0.0, 0.0); asked.len()];
     for t in looked_at(if asked.is_empty() { &[] } else { times }, changes) {

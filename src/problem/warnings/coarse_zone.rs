@@ -30,7 +30,9 @@ pub(super) fn coarse_zones<const S: usize, const N: usize>(model: &Model<S, N>, 
         }
         // half a model of the plane has half of the zone; in space a few functions more decide about the pressure
         let least = FEWEST.pow(S as u32) / if contact.symmetry && S == 1 { 2 } else { 1 };
-        let missed = closed == 0 && deepest > MISSED * model.size;
+        // a force that presses an obstacle is carried, and none where it vanishes
+        let is_pressed = contact.obstacle.as_ref().is_some_and(|obstacle| !obstacle.pressed.is_empty());
+        let missed = closed == 0 && deepest > MISSED * model.size && !is_pressed;
         if missed || 0 < closed && closed < least && closed != facing {
             found.push(Warning::CoarseZone { of: Subject::contact(model, k), closed, least });
         }

@@ -106,6 +106,13 @@ impl Display for Warning {
                 let [height, wave, pressure] = [height, wave, pressure].map(|v| digits(*v));
                 write!(f, "pressures of {of} at points have waves of {wave}, of {pressure}: its facets leave their surface by {height}")
             }
+            Self::Locking { of, ratio } => {
+                write!(
+                    f,
+                    "{of} of degree 1 is too stiff: its material resists changes of volume {} times as much as those of shape",
+                    digits(*ratio)
+                )
+            }
             Self::CoarseValues { side, component, t, error, .. } => {
                 let (t, error) = (digits(*t), percent(*error));
                 write!(f, "functions of {side} miss {error} of the values prescribed of component {component} at t = {t}")

@@ -38,6 +38,7 @@ mod hardly_held;
 mod integration;
 mod kinematics;
 mod left_open;
+mod locking;
 mod lost_moment;
 mod lost_parts;
 mod low_order;
@@ -76,10 +77,11 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(part_uncovered::parts_uncovered(self));
         found.extend(facets::facets(self, first));
         found.extend(low_order::low_orders(self));
+        found.extend(locking::locking(self, first));
         found.extend(hardly_held::hardly_held(self, first));
         found.extend(flux_jumps::flux_jumps(self, first));
         found.extend(self.inexact_integrals(times).into_iter().map(Warning::Inexact));
-        found.extend(coarse_values::coarse_values(self, times));
+        found.extend(coarse_values::coarse_values(self, times, &found));
         found
     }
 

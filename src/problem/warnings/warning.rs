@@ -295,6 +295,13 @@ pub enum Warning {
         /// The largest pressure \[force/area\].
         pressure: f64,
     },
+    /// Functions of degree 1 with a material that hardly changes its volume: the body is too stiff.
+    Locking {
+        /// The body.
+        of: Subject,
+        /// Stiffness against a change of volume over that against one of shape.
+        ratio: f64,
+    },
     /// Prescribed values that the functions of a side hold badly.
     CoarseValues {
         /// The statement.
@@ -335,6 +342,7 @@ impl Warning {
             | Self::MixedMultiplier { of, .. }
             | Self::HardlyHeld { of, .. }
             | Self::FluxJump { of, .. }
+            | Self::Locking { of, .. }
             | Self::Integration { of, .. }
             | Self::LeftOpen { of }
             | Self::Sliding { of, .. }

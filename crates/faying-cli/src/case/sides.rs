@@ -178,7 +178,7 @@ impl Reader {
                 }
                 let named =
                     if labels.is_empty() { "none of their sides has a name".to_owned() } else { format!("named sides are {labels}") };
-                let side = if rest.is_empty() { "u0" } else { rest };
+                let side = rest.rsplit('.').next().filter(|side| !side.is_empty()).unwrap_or("u0");
                 let message = format!("there is no side `{shown}`; {name:?} is a file of {n} patches, {named}");
                 self.fault("E021", node.at, message, format!("write {name}.0.{side} for a side of the first patch"));
             }

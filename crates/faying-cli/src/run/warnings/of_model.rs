@@ -58,6 +58,15 @@ pub fn diagnostic<const S: usize, const N: usize>(case: &Case, model: &LoweredCa
             let help = "fix the motion, or make the springs stiffer where they stand for a support";
             ("E051", text, held_by.unwrap_or(block(of.number)), help.into())
         }
+        Warning::Locking { ratio, .. } => (
+            "E053",
+            format!(
+                "patch \"{name}\" of degree 1 is too stiff: its material resists changes of volume {} times as much as those of shape, and linear functions lock",
+                short(*ratio)
+            ),
+            block(of.number),
+            "write degree = 2 or more; finer elements of degree 1 help slowly".into(),
+        ),
         Warning::FluxJump { x, share, .. } => {
             let where_ = if of.kind == SubjectKind::Body { "inside patch" } else { "across interface" };
             let text = format!(
