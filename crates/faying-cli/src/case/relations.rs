@@ -220,6 +220,11 @@ impl Reader {
                     "the body force follows from `exact`; leave one of them out",
                 );
             }
+            let is_revolved = model.assumption.value == faying::physics::Assumption::Axisymmetric;
+            if is_revolved && gravity.value.first().is_some_and(|radial| *radial != 0.0) {
+                let message = "`gravity` along the radius is none: it points the same way everywhere";
+                self.fault("E015", gravity.at, message, "write gravity = [0, -9.81], along the axis; body_force may be radial");
+            }
             let bare = patches.iter().filter_map(|p| materials.get(p.material.value)).find(|m| m.density.is_none());
             if let (Some(m), false) = (bare, self.density_broken) {
                 let message = format!("`gravity` needs a density, material {:?} has none", m.name.value);

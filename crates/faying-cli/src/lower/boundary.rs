@@ -97,6 +97,16 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
 
     /// The side of a reference, or the part of it that `where` keeps, if any.
     fn side(&mut self, wanted: &Located<SideRef>) -> Result<Option<RegionId>, Box<Diagnostic>> {
+        let patch = &self.context.case.patches[wanted.value.patch];
+        if let (Some(pressure), Some(closed)) = (&self.block.pressure, &patch.closed)
+            && wanted.value.side.starts_with(closed.value.as_str())
+        {
+            let (name, side) = (&patch.name.value, &wanted.value.side);
+            let text = format!("`{name}.{side}` is inside of its body, which is closed along {}: no pressure acts there", closed.value);
+            return Err(Box::new(
+                self.error("E015", text, pressure.at).with_help("name a side, or give a traction or `force`, which act on it"),
+            ));
+        }
         if let Some(filter) = &self.block.filter {
             return parts::part(self.context, self.problem, self.places, wanted, filter, &mut self.centres);
         }

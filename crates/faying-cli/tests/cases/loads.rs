@@ -268,6 +268,33 @@ fn prescribed_values_without_a_bound_are_told() {
     }
 }
 
+/// What no gravity and no pressure is.
+#[test]
+fn radial_gravity_and_pressures_on_seams_are_refused() {
+    let refused = |text: &str| {
+        let errors = Case::parse("case.toml", text, &ReadOptions::default()).and_then(|case| case.run(&Registry::default())).unwrap_err();
+        (errors.items[0].code, errors.items[0].message.clone())
+    };
+    let body = |model: &str, rest: &str| {
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n{model}\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\ndensity = 2\n\
+             [[patch]]\nname = \"s\"\nelements = [8, 2]\n{rest}\n"
+        )
+    };
+    let block = "geometry = { kind = \"box\", min = [0, 0], max = [1, 2] }\n[[boundary]]\non = \"s.bottom\"\nfix = [\"x\", \"y\"]";
+    let (code, message) = refused(&body("assumption = \"axisymmetric\"\ngravity = [-10, 0]", block));
+    assert!(code == "E015" && message.contains("`gravity` along the radius is none"), "{code} {message}");
+    assert_eq!(run(&body("assumption = \"axisymmetric\"\ngravity = [0, -10]", block)).exit, 0);
+    let ring = |on: &str, what: &str| {
+        let shape = "geometry = { kind = \"annulus-sector\", radius = [1, 2], angle_deg = [0, 360] }\nclosed = \"u\"\n[[boundary]]\non = \"s.v0\"\nfix = [\"x\", \"y\"]";
+        body("", &format!("{shape}\n[[boundary]]\non = \"{on}\"\n{what}"))
+    };
+    let (code, message) = refused(&ring("s.u0", "pressure = 1.0"));
+    assert!(code == "E015" && message.contains("`s.u0` is inside of its body, which is closed along u"), "{code} {message}");
+    assert_eq!(run(&ring("s.v1", "pressure = 1e-3")).exit, 0);
+    assert_eq!(run(&ring("s.u0", "fix = [\"x\"]")).exit, 0);
+}
+
 /// Values that change or jump within elements are told where functions miss more than 30 % of them, in the plane and in space.
 #[test]
 fn prescribed_values_that_the_mesh_does_not_have_are_told() {

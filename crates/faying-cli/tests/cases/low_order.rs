@@ -122,3 +122,48 @@ fn contacts_are_told_as_well() {
     assert!(told(&mixed, "E065", "mixed integration of \"pad\" with a multiplier of degree 0").is_some(), "{:?}", mixed.warnings);
     assert!(told(&run(2, "integration = \"mixed\"\nmultiplier = \"p/p\"\n"), "E065", "mixed integration of").is_none());
 }
+
+/// A cantilever with a force at its end.
+fn cantilever(discretization: &str, (length, elements): (f64, [usize; 2]), material: &str, assumption: &str) -> RunResult {
+    let text = format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\nassumption = \"{assumption}\"\n[discretization]\n{discretization}\n[[material]]\nname = \"m\"\n\
+         young = 1000\npoisson = {material}\n[[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [{length}, 1] }}\nelements = {elements:?}\n\
+         [[boundary]]\non = \"b.left\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"b.right\"\nforce = {{ y = 1e-5 }}\n"
+    );
+    let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+/// Energies of degree 1 over those of a fine mesh of degree 3; only such bodies are told.
+#[test]
+fn bodies_of_degree_1_that_lock_are_told() {
+    const LOCK: &str = "is too stiff: its material resists changes of volume";
+    let energy = |discretization: &str, n: usize, nu: &str| cantilever(discretization, (4.0, [8 * n, 2 * n]), nu, "plane-strain").energy;
+    let right = energy("backend = \"iga\"\ndegree = 3", 4, "0.4999");
+    let shares = [1, 8].map(|n| energy("backend = \"fe\"\ndegree = 1", n, "0.4999") / right);
+    println!("{shares:?}");
+    assert!((shares[0] - 0.064).abs() < 5e-4 && (shares[1] - 0.20).abs() < 5e-3, "{shares:?}");
+    for backend in ["backend = \"iga\"", "backend = \"fe\"", "backend = \"fe\"\ncells = \"simplex\""] {
+        for (degree, nu, assumption, is_told) in [
+            (1, "0.4999", "plane-strain", true),
+            (1, "0.49", "plane-strain", true),
+            (1, "0.49", "axisymmetric", true),
+            (1, "0.49", "plane-stress", false),
+            (1, "0.45", "plane-strain", false),
+            (2, "0.4999", "plane-strain", false),
+        ] {
+            let result = cantilever(&format!("{backend}\ndegree = {degree}"), (4.0, [4, 1]), nu, assumption);
+            assert_eq!(told(&result, "E053", LOCK).is_some(), is_told, "{backend} {degree} {nu} {assumption}: {:?}", result.warnings);
+        }
+    }
+    let solid = "[model]\nphysics = \"elasticity\"\ndimension = 3\n[discretization]\ndegree = 1\n[[material]]\nname = \"m\"\nyoung = 1000\npoisson = 0.495\n\
+        [[patch]]\nname = \"b\"\ngeometry = { kind = \"box\", min = [0, 0, 0], max = [4, 1, 1] }\nelements = [4, 1, 1]\n[[boundary]]\non = \"b.left\"\nfix = [\"x\", \"y\", \"z\"]\n\
+        [[boundary]]\non = \"b.right\"\nforce = { z = 1e-5 }\n";
+    let result = Case::parse("case.toml", solid, &ReadOptions::default()).unwrap().run(&Registry::default()).unwrap();
+    assert!(told(&result, "E053", LOCK).is_some(), "{:?}", result.warnings);
+    // bending of a slender body, over beam theory: F l^3 / (3 E I), energy F u / 2
+    let beam = 0.5 * 1e-10 * 1e6 / (3.0 * 1000.0 / 12.0);
+    let slender =
+        |degree: usize| cantilever(&format!("backend = \"fe\"\ndegree = {degree}"), (100.0, [20, 2]), "0", "plane-stress").energy / beam;
+    assert!((slender(1) - 0.074).abs() < 5e-4 && (slender(2) - 0.9996).abs() < 1e-4, "{} {}", slender(1), slender(2));
+}
