@@ -33,6 +33,8 @@ const FEWEST_OF_LONG: usize = 7;
 const FEWEST_OF_HERTZ: usize = 6;
 /// The pressure has a maximum where it falls from there, on the way in, by this share of its greatest value; less is noise.
 const FALL: f64 = 0.05;
+/// Strip at an end of a side that its opponent does not face, relative to the element there, up to which a zone ends with the side: facets.
+const STRIP: f64 = 0.05;
 /// Points closer than this fraction of an element coincide.
 const SAME_PLACE: f64 = 1e-6;
 /// Gauss points of an arc length.
@@ -316,7 +318,8 @@ impl<T: Real> Unrolled<T> {
         let following = pieces[k + 1..].iter().chain(self.sections.get(last + 1).into_iter().flat_map(|s| &s.pieces));
         let most = following.take_while(|_| goes_on).fold(at, |to, piece| if piece.from <= to + same { piece.to } else { to });
         let between = [self.starts[last.saturating_sub(1).max(first)], most.min(end)];
-        Some(End { last, first, at, is_corner, of_curve: is_corner && at >= end - same, between })
+        let of_curve = is_corner && at >= end - self.sections[last].length * lit(STRIP);
+        Some(End { last, first, at, is_corner, of_curve, between })
     }
 
     /// The end of a zone with the middle `middle`.

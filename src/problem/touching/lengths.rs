@@ -44,7 +44,7 @@ pub(super) fn size<const N: usize>(boxes: impl Iterator<Item = Bounds<N>>) -> f6
 }
 
 /// Distance that counts as zero \[length\].
-pub(super) fn floor<const S: usize, const N: usize>(sides: &[Arc<BodySide<S, N>>]) -> f64 {
+pub fn floor<const S: usize, const N: usize>(sides: &[Arc<BodySide<S, N>>]) -> f64 {
     size(sides.iter().flat_map(|s| s.trace.space.all_bounds())) * SAME_PLACE
 }
 

@@ -19,7 +19,7 @@ mod unjoined;
 
 pub use facing::{Facing, facing};
 pub use finding::{Finding, NearPair, Position, TouchError};
-pub(super) use lengths::{explained, sag};
+pub(super) use lengths::{explained, floor, sag};
 pub use nearest::{NEAR, THIN};
 pub use paired_sides::{PairedSides, Share};
 pub use search::Search;

@@ -5,12 +5,18 @@
 
 use super::warning::{Subject, Warning};
 use crate::problem::closed_points::zone_functions;
-use crate::problem::model::Model;
+use crate::problem::model::{ContactModel, ContactPart, Model};
 use crate::problem::state::StepState;
 
 /// Least number of functions across a zone.
 const FEWEST: usize = 4;
+/// Least number of functions across half a zone of degree 1, 2, and higher: one function decides what is in the middle.
+const FEWEST_OF_HALF: [usize; 3] = [4, 3, 5];
+/// Least number of functions from the axis of revolution on, of degree 1 and 2, 3, and higher: little area stands behind the pressure there.
+const FEWEST_FROM_AXIS: [usize; 3] = [4, 7, 11];
 
+/// Distance from the axis of revolution, relative to the size of the model, below which a side is on it.
+const ON_AXIS: f64 = 1e-12;
 /// Depth of points in the opponent, relative to the size of the model, beyond which a zone without functions was missed.
 const MISSED: f64 = 1e-6;
 
@@ -28,8 +34,7 @@ pub(super) fn coarse_zones<const S: usize, const N: usize>(model: &Model<S, N>, 
         if closed > 0 && !contact.presses(model, built, state) {
             closed = 0;
         }
-        // half a model of the plane has half of the zone; in space a few functions more decide about the pressure
-        let least = FEWEST.pow(S as u32) / if contact.symmetry && S == 1 { 2 } else { 1 };
+        let least = least(model, contact);
         // a force that presses an obstacle is carried, and none where it vanishes
         let is_pressed = contact.obstacle.as_ref().is_some_and(|obstacle| !obstacle.pressed.is_empty());
         let missed = closed == 0 && deepest > MISSED * model.size && !is_pressed;
@@ -38,4 +43,19 @@ pub(super) fn coarse_zones<const S: usize, const N: usize>(model: &Model<S, N>, 
         }
     }
     found
+}
+
+/// The least number of functions that carry a zone well.
+fn least<const S: usize, const N: usize>(model: &Model<S, N>, contact: &ContactModel<S, N>) -> usize {
+    let degree = contact.parts.iter().map(|part| part.slave.degree()).max().unwrap_or(1);
+    let is_on_axis = |part: &ContactPart<S, N>| part.slave.trace.space.extent().is_some_and(|b| b.lo[0] <= ON_AXIS * model.size);
+    if S > 1 {
+        FEWEST.pow(S as u32)
+    } else if model.is_revolved() && contact.parts.iter().any(is_on_axis) {
+        FEWEST_FROM_AXIS[degree.clamp(2, 4) - 2]
+    } else if contact.symmetry {
+        FEWEST_OF_HALF[degree.clamp(1, 3) - 1]
+    } else {
+        FEWEST
+    }
 }

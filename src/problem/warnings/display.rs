@@ -106,6 +106,13 @@ impl Display for Warning {
                 let [height, wave, pressure] = [height, wave, pressure].map(|v| digits(*v));
                 write!(f, "pressures of {of} at points have waves of {wave}, of {pressure}: its facets leave their surface by {height}")
             }
+            Self::Adjusted { of, mean, explained } => {
+                let [mean, explained] = [*mean, *explained].map(digits);
+                write!(
+                    f,
+                    "{of} closes {mean} between its surfaces in the mean, of which facets explain {explained}: a fit that was drawn is lost"
+                )
+            }
             Self::Locking { of, ratio } => {
                 write!(
                     f,

@@ -26,6 +26,7 @@
 //!
 //! Loads, springs, prescribed values and moduli that jump inside of elements or have no bound are found by [`Model::inexact_integrals`].
 
+mod adjusted;
 mod coarse_tie;
 mod coarse_values;
 mod coarse_zone;
@@ -76,6 +77,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(patch_test::patch_test(self));
         found.extend(part_uncovered::parts_uncovered(self));
         found.extend(facets::facets(self, first));
+        found.extend(adjusted::adjusted(self));
         found.extend(low_order::low_orders(self));
         found.extend(locking::locking(self, first));
         found.extend(hardly_held::hardly_held(self, first));

@@ -295,6 +295,15 @@ pub enum Warning {
         /// The largest pressure \[force/area\].
         pressure: f64,
     },
+    /// A contact closes gaps or overlaps at rest that facets do not explain.
+    Adjusted {
+        /// The contact.
+        of: Subject,
+        /// Mean distance of the surfaces that is closed \[length\].
+        mean: f64,
+        /// What of it facets explain \[length\].
+        explained: f64,
+    },
     /// Functions of degree 1 with a material that hardly changes its volume: the body is too stiff.
     Locking {
         /// The body.
@@ -342,6 +351,7 @@ impl Warning {
             | Self::MixedMultiplier { of, .. }
             | Self::HardlyHeld { of, .. }
             | Self::FluxJump { of, .. }
+            | Self::Adjusted { of, .. }
             | Self::Locking { of, .. }
             | Self::Integration { of, .. }
             | Self::LeftOpen { of }

@@ -34,8 +34,8 @@ pub(super) fn tell<const S: usize, const N: usize>(context: &mut LowerContext<'_
                 "`{label}` is tied in part, and \"all-outer\" leaves out the rest, {} % of it: nothing is given there",
                 percent(left)
             );
-            let help =
-                format!("name that part in a block of its own, on = \"{}.{name}\" with `where`, if it is not to be free", view.name());
+            let side = label.split(" where ").next().unwrap_or(&label);
+            let help = format!("name that part in a block of its own, on = \"{side}\" with `where`, if it is not to be free");
             let warning = context.warning("E021", text, outer.head.at).with_help(help);
             context.faults.push(warning);
         }

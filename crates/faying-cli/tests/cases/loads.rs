@@ -252,6 +252,10 @@ fn prescribed_values_without_a_bound_are_told() {
                     "\"r\"",
                     "0.3",
                 ] {
+                    // two elements have no three half waves
+                    if n == 2 && value.contains("3*pi") {
+                        continue;
+                    }
                     let result = run(&plate(degree, n, backend, value));
                     assert!(e017(&result).is_empty(), "{value}, {degree}, {n}: {:?}", result.warnings);
                 }

@@ -67,6 +67,36 @@ fn zones_of_few_functions_are_told_where_their_force_is_wrong() {
     assert!(run(&flat).warnings.is_empty(), "{:?}", run(&flat).warnings);
 }
 
+/// Half cylinders and balls of revolution on a plane (Hertz): whatever is beyond a quarter of the greatest pressure is told, and fine zones are not.
+#[test]
+fn coarse_zones_of_half_models_and_on_axes_are_told() {
+    let text = |is_ball: bool, degree: usize, n: usize| {
+        let (assumption, force) = if is_ball { ("axisymmetric", "4*Es*a^3/(3*R)") } else { ("plane-strain", "pi*a^2*Es/(8*R)") };
+        let symmetry = if is_ball { "" } else { "symmetry = true\n" };
+        format!(
+            "[let]\nR = 1.0\nE = 1.0\nnu = 0.3\na = 0.02\nEs = \"E/(1 - nu^2)\"\nF = \"{force}\"\n[model]\nphysics = \"elasticity\"\ndimension = 2\nassumption = \"{assumption}\"\n\
+             [discretization]\ndegree = {degree}\nmapping = \"exact\"\n[[material]]\nname = \"m\"\nyoung = \"E\"\npoisson = \"nu\"\n[[patch]]\nname = \"k\"\nelements = [{n}, {n}]\n\
+             geometry = {{ kind = \"annulus-sector\", center = [0, \"R\"], radius = [\"0.1*R\", \"R\"], angle_deg = [-90, 0] }}\n\
+             grade = {{ toward = {{ u = 0.0, v = 1.0 }}, ratio = 0.02 }}\n[[boundary]]\non = \"k.u0\"\nfix = [\"x\"]\n[[boundary]]\non = \"k.u1\"\nrigid_force = {{ y = \"-F\" }}\n\
+             [[contact]]\nname = \"c\"\nslave = \"k.v1\"\nrigid = {{ kind = \"half-plane\", point = [0, 0], normal = [0, 1] }}\n{symmetry}"
+        )
+    };
+    let fine = [false, true].map(|is_ball| run(&text(is_ball, 2, 48)).contact.get("c").unwrap().pressure.max);
+    for (is_ball, fine) in [false, true].into_iter().zip(fine) {
+        for degree in 1..=4 {
+            for n in [8, 10, 12, 16, 20, 48] {
+                let result = run(&text(is_ball, degree, n));
+                let found = result.contact.get("c").unwrap();
+                let off = (found.pressure.max / fine - 1.0).abs();
+                let warned = told(&result, &["zone of contact \"c\" is too coarse"]).is_some();
+                println!("ball {is_ball} degree {degree} n {n}: {} functions, {off:.3} {warned}", found.active);
+                assert!(warned || off < 0.35, "ball {is_ball} degree {degree} n {n}: {} functions, {off}", found.active);
+                assert!(!warned || n < 48, "ball {is_ball} degree {degree} n {n}: {} functions, {off}", found.active);
+            }
+        }
+    }
+}
+
 /// Shear F through a gap h loses the moment F h; a normal force loses none.
 #[test]
 fn the_moment_that_a_tie_across_a_gap_loses_is_told_as_it_is() {

@@ -77,12 +77,17 @@ fn parts_with_common_facets_and_parts_without_any_are_errors() {
 /// Rings of radii 0.5, 1 and 2 of one material whose surfaces touch, a quarter of each in straight facets of different number, under the
 /// pressure 1e-4 outside: as one ring, q = 1e-4 (1 - a²/r²) b² / (b² - a²) at r = 1.
 fn rings(adjust: &str) -> RunResult {
+    fit(1.0, adjust)
+}
+
+/// The same with a radius of the bore of the outer ring.
+fn fit(bore: f64, adjust: &str) -> RunResult {
     let text = format!(
         "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"fe\"\ndegree = 1\n\
          [[material]]\nname = \"m\"\nyoung = 100\npoisson = 0.3\n\
          [[patch]]\nname = \"inner\"\ngeometry = {{ kind = \"annulus-sector\", center = [0, 0], radius = [0.5, 1], angle_deg = [0, 90] }}\n\
          elements = [32, 12]\n\
-         [[patch]]\nname = \"outer\"\ngeometry = {{ kind = \"annulus-sector\", center = [0, 0], radius = [1, 2], angle_deg = [0, 90] }}\n\
+         [[patch]]\nname = \"outer\"\ngeometry = {{ kind = \"annulus-sector\", center = [0, 0], radius = [{bore}, 2], angle_deg = [0, 90] }}\n\
          elements = [20, 12]\n\
          [[boundary]]\non = [\"inner.u0\", \"outer.u0\"]\nfix = [\"y\"]\n[[boundary]]\non = [\"inner.u1\", \"outer.u1\"]\nfix = [\"x\"]\n\
          [[boundary]]\non = \"outer.v1\"\npressure = 1e-4\n\
@@ -122,6 +127,17 @@ fn gaps_that_facets_leave_between_surfaces_that_touch_are_closed() {
         fit.segments.measure,
         fit.pressure
     );
+}
+
+/// A press fit or a clearance that is drawn is no matter of facets: it is closed, and told.
+#[test]
+fn fits_that_are_drawn_and_closed_are_told() {
+    for bore in [0.998, 1.002, 0.9992] {
+        let found = fit(bore, "adjust = true\n");
+        let told = found.warnings.iter().find(|w| w.code == "E023" && w.message.contains("`adjust` of contact \"fit\" closes"));
+        let told = told.unwrap_or_else(|| panic!("{bore}: {:?}", found.warnings));
+        assert!(told.help.as_ref().is_some_and(|h| h.contains("`gap`")), "{told:?}");
+    }
 }
 
 #[test]

@@ -83,7 +83,7 @@ pub(in crate::case) const CONTACT: &[Key] = &[
     Key::new(
         "adjust",
         KeyKind::Flag,
-        "close gaps and overlaps at rest that facets explain: up to twice their distance from the surfaces for which they stand",
+        "close gaps and overlaps at rest that facets explain: up to twice their distance from the surfaces for which they stand; clearances and press fits belong into `gap` then",
     )
     .default("false"),
     later("friction", Plain::Zero, "0", "contact is frictionless here: leave it out, or write 0"),

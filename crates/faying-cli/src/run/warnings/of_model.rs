@@ -107,6 +107,17 @@ fn of_slave(case: &Case, of: &Subject, warning: &Warning) -> Option<(&'static st
             case.contacts[of.number].head.at,
             facets_help(case, of.number).into(),
         ),
+        Warning::Adjusted { mean, explained, .. } => (
+            "E023",
+            format!(
+                "`adjust` of contact \"{name}\" closes what facets do not explain: its surfaces are {} apart or in each other in the mean, facets explain {}; \
+                 a press fit or a clearance that is drawn is lost",
+                short(*mean),
+                short(*explained)
+            ),
+            case.contacts[of.number].head.at,
+            "draw the sides where they touch and give the fit by `gap`, such as gap = \"g - 0.01\"; or leave `adjust` out and take finer or exact sides".into(),
+        ),
         Warning::DualConstants { slave, degree, .. } => (
             "E061",
             format!(
@@ -135,9 +146,9 @@ fn facets_help(case: &Case, contact: usize) -> &'static str {
     let masters = if let Master::Sides(list) = &contact.master { &list[..] } else { &[] };
     let read = contact.slave.iter().chain(masters).all(|side| case.patches[side.value.patch].geometry.shape.mesh_part().is_some());
     if read {
-        "read meshes with more elements along the sides, or of order 2 or more; or write adjust = true where the surfaces touch"
+        "read meshes with more elements along the sides, or of order 2 or more; or write adjust = true where the surfaces touch without clearance or interference"
     } else {
-        "take more elements along the sides, degree 2 or more, mapping = \"exact\", backend = \"iga\", or adjust = true where the surfaces touch"
+        "take more elements along the sides, degree 2 or more, mapping = \"exact\", backend = \"iga\", or adjust = true where the surfaces touch without clearance or interference"
     }
 }
 
