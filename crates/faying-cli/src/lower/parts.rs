@@ -134,10 +134,10 @@ pub(super) fn cut<const S: usize, const N: usize>(
     }
     let (beside, least) = (taken - inside, CUT * exact.max(taken));
     (beside + exact - inside > least).then(|| {
-        let what = if N == 2 { "length" } else { "area" };
+        let what = if N == 2 { "a length" } else { "an area" };
         let elsewhere = if beside > least { format!(", {} of it where it does not", short(beside)) } else { String::new() };
         let text = format!(
-            "`where` of \"{name}\" cuts facets, which it keeps or leaves whole: a {what} of {} for the {} in which `{}` holds{elsewhere}",
+            "`where` of \"{name}\" cuts facets, which it keeps or leaves whole: {what} of {} for the {} in which `{}` holds{elsewhere}",
             short(taken),
             short(exact),
             filter.value.text()

@@ -168,6 +168,9 @@ impl<const S: usize, const N: usize> Preparer<'_, S, N> {
                 best = Some((p.distance, SideSpot { of: of.id(), side: number, element: p.element, xi: p.xi }));
             }
         }
-        best.map(|(_, spot)| spot).ok_or_else(|| self.fault("E022", format!("`{text}`: the point is not on the slave side"), at))
+        best.map(|(_, spot)| spot).ok_or_else(|| {
+            let fault = self.fault("E022", format!("`{text}`: the point is not on the slave side"), at);
+            Box::new(fault.with_help("move the point onto the slave side, to within a quarter of an element"))
+        })
     }
 }

@@ -1,7 +1,7 @@
 //! Stored run as a reference solution: its bodies on the geometry of the case, and its multipliers on the slave sides of the case.
 
 use super::parameters::Parameters;
-use super::stored::{of_cells, of_net, physics_word, same_geometry};
+use super::stored::{assumption_word, of_cells, of_net, physics_word, same_geometry};
 use crate::case::{self, BASES, CELLS, MAPPINGS};
 use crate::errors::Diagnostic;
 use crate::lower::{LowerContext, mesh_body, mesh_counts, specification};
@@ -178,6 +178,10 @@ fn is_same_problem(case: &case::Case, run: &StoredRun) -> Result<(), (&'static s
     let physics = physics_word(case);
     if run.physics != physics || run.components != case.components() {
         return Err(("E015", format!("the stored run is one of {}, this case of {physics}", run.physics)));
+    }
+    let assumption = assumption_word(case);
+    if !run.assumption.is_empty() && run.assumption != assumption {
+        return Err(("E015", format!("the stored run is one of {}, this case of {assumption}", run.assumption.escape_default())));
     }
     let end = case.steps.value.last().copied().unwrap_or(1.0);
     if (run.t - end).abs() > SAME_TIME * end.abs().max(run.t.abs()) {

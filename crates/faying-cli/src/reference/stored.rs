@@ -8,6 +8,7 @@ use crate::shapes::{MakeControlNet, point_of};
 use faying::basis::{Basis, Cell, Order, ShapeTable};
 use faying::geometry::Embedding;
 use faying::linalg::Vector;
+use faying::physics::Assumption;
 use faying::problem::{BodyView, Contents, SideView, Solution};
 use faying::space::{Body, MeshCells, PatchSpec};
 
@@ -16,6 +17,17 @@ pub(super) fn physics_word(case: &Case) -> &'static str {
     match case.model.physics.value {
         case::Physics::Poisson => "poisson",
         case::Physics::Elasticity => "elasticity",
+    }
+}
+
+/// Keyword of what the case assumes out of the plane; Poisson's equation in the plane asks for bodies of revolution alone.
+pub(super) fn assumption_word(case: &Case) -> &'static str {
+    match (case.model.assumption.value, case.model.physics.value) {
+        (Assumption::Axisymmetric, _) => "axisymmetric",
+        (Assumption::Solid, _) => "solid",
+        (_, case::Physics::Poisson) => "plane",
+        (Assumption::PlaneStress, _) => "plane-stress",
+        _ => "plane-strain",
     }
 }
 
@@ -42,6 +54,7 @@ pub(crate) fn stored_run<const S: usize, const N: usize>(
     let mut run = StoredRun {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         physics: physics_word(case).to_owned(),
+        assumption: assumption_word(case).to_owned(),
         dimension: N,
         components: contents.components(),
         t: solution.t(),

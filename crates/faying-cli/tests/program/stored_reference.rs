@@ -128,6 +128,16 @@ fn a_run_has_no_error_against_itself() {
     }
 }
 
+#[test]
+fn a_run_of_another_assumption_is_no_reference() {
+    let at = tempfile::tempdir().unwrap();
+    save(at.path(), "kept.ref", &stored(at.path(), PRESSED, &["model.assumption=\"plane-stress\""], None));
+    assert!(solve(at.path(), PRESSED, &["model.assumption=\"plane-stress\"", KEPT], None).is_ok());
+    let errors = solve(at.path(), PRESSED, &["model.assumption=\"plane-strain\"", KEPT], None).unwrap_err();
+    let words = "the stored run is one of plane-stress, this case of plane-strain";
+    assert!(errors.items.iter().any(|e| e.code == "E015" && e.message.contains(words)), "{errors}");
+}
+
 /// One backend, a grid that is not nested in the finer one, against the same exact solution and against a fine run of any backend.
 #[test]
 fn the_error_against_a_fine_run_is_the_error_against_the_exact_solution_within_that_of_the_fine_run() {
