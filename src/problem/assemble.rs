@@ -5,6 +5,7 @@ use super::body_locators::BodyLocators;
 use super::builder::Problem;
 use super::contact_part::SlaveOf;
 use super::coupled::{Contact, StatedOpponent, Tie};
+use super::curved_slides::SampledSlide;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::facets_apart::FacetsApart;
@@ -58,7 +59,7 @@ where
         let mut model = self.model(pressed)?;
         let fixed = self.fixed(&model)?;
         let members = self.memberships(&model);
-        some(self.build_slides(&mut model, &fixed, &members))?;
+        some(self.build_slides(&mut model, &fixed))?;
         let (ties, found) = self.explained_ties();
         model.findings.extend(found);
         some(self.build_ties(&ties, &mut model, &fixed, &members))?;
@@ -67,10 +68,15 @@ where
     }
 
     /// Builds the rows of all curved sides that slide; returns what is wrong.
-    fn build_slides(&self, model: &mut Model<S, N>, fixed: &Eliminated, members: &TieCounts) -> Vec<ProblemError> {
-        let mut errors = Vec::new();
-        for slide in &self.said.slides {
-            match model.slide_part(slide, fixed, members) {
+    fn build_slides(&self, model: &mut Model<S, N>, fixed: &Eliminated) -> Vec<ProblemError> {
+        let slides: Vec<_> = self.said.slides.iter().map(|slide| SampledSlide::new(model, slide)).collect();
+        let mut errors = model.contradicted_slides(&slides, &self.times);
+        if !errors.is_empty() {
+            return errors;
+        }
+        let tied = self.tied(model);
+        for (k, slide) in self.said.slides.iter().enumerate() {
+            match model.slide_part(&slides[k], &slides[..k], fixed, &tied) {
                 Ok(part) => {
                     model.rows += part.num_rows();
                     model.slides.push(part);
@@ -234,8 +240,15 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         (ties, found)
     }
 
-    /// Number of tied sides and curved sides that slide of every function; couplings without rows constrain no functions.
+    /// Number of tied sides and curved sides that slide of every function.
     pub(super) fn memberships(&self, model: &Model<S, N>) -> TieCounts {
+        let mut members = self.tied(model);
+        self.said.slides.iter().for_each(|slide| members.add(model, &slide.side));
+        members
+    }
+
+    /// Number of tied sides of every function; couplings without rows constrain no functions.
+    fn tied(&self, model: &Model<S, N>) -> TieCounts {
         let mut members = TieCounts::default();
         for tie in self.ties.iter().filter(|t| t.own.coupling.has_rows()) {
             // a side in two lists of one tie counts once
@@ -246,7 +259,6 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 }
             }
         }
-        self.said.slides.iter().for_each(|slide| members.add(model, &slide.side));
         members
     }
 

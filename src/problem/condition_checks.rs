@@ -6,8 +6,10 @@ use super::error::{ErrorKind, ProblemError};
 use super::handles::Statement;
 use super::model::{Action, BodySide, Condition, Value};
 use super::rigid_bodies::unit;
-use crate::geometry::cell;
+use crate::basis::Order;
+use crate::geometry::{MapTable, cell};
 use crate::linalg::Vector;
+use crate::quadrature::Quadrature;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -115,8 +117,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// Reports loads and springs along components and directions that are held on all facets on which they act: they would act on supports
     /// alone.
     fn check_loads_on_supports(&self, prescribed: &HashMap<(Facet<N>, usize), Statement>, errors: &mut Vec<ProblemError>) {
-        let slides = self.slides();
-        if prescribed.is_empty() && slides.is_empty() {
+        let (slides, curved) = (self.slides(), self.tangents_held());
+        if prescribed.is_empty() && slides.is_empty() && curved.is_empty() {
             return;
         }
         let components = self.components();
@@ -145,7 +147,9 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 errors.push(ProblemError::new(kind, vec![held, of], vec![label.to_owned()]));
             }
         };
-        let along = |held: &[(Vector<N>, Statement)], force: &Vector<N>| Some((ErrorKind::HeldAlong, within(held, force)?));
+        let along = |side: &BodySide<S, N>, held: &[(Vector<N>, Statement)], force: &Vector<N>| {
+            Some((ErrorKind::HeldAlong, within(held, force).or_else(|| along_tangents(&curved, side, force))?))
+        };
         let component = |held: &[(Vector<N>, Statement)], c: usize| {
             let of = held.iter().find(|(d, _)| *d == unit::<N>(c))?.1;
             Some((ErrorKind::Held { component: c }, of))
@@ -165,7 +169,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                     refuse(
                         load.of,
                         load.group,
-                        component(&held, *c).or_else(|| along(&held, &group)).or_else(|| along(&held, &whole)),
+                        component(&held, *c).or_else(|| along(side, &held, &group)).or_else(|| along(side, &held, &whole)),
                         &side.label,
                     );
                 }
@@ -173,14 +177,19 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 Action::Pressure(f) if f.as_constant().is_some_and(|p| p != 0.0) => {
                     let all = (0..components).all(|c| within(&held, &unit(c)).is_some());
                     let last = components - 1;
-                    refuse(load.of, load.group, component(&held, last).or_else(|| along(&held, &unit(last))).filter(|_| all), &side.label);
+                    refuse(
+                        load.of,
+                        load.group,
+                        component(&held, last).or_else(|| along(side, &held, &unit(last))).filter(|_| all),
+                        &side.label,
+                    );
                 }
                 _ => {}
             }
         }
         for spring in self.said.springs.iter().filter(|s| s.stiffness.as_constant().is_some_and(|k| k != 0.0)) {
             let (held, c) = (held_on(&spring.side), spring.component);
-            refuse(spring.of, spring.of, component(&held, c).or_else(|| along(&held, &unit(c))), &spring.side.label);
+            refuse(spring.of, spring.of, component(&held, c).or_else(|| along(&spring.side, &held, &unit(c))), &spring.side.label);
         }
     }
 
@@ -224,6 +233,20 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
     }
 
+    /// The facets of curved sides that are held along their tangents, with normals at their points.
+    fn tangents_held(&self) -> HashMap<Facet<N>, (Vec<Vector<N>>, Statement)> {
+        let (mut all, mut map) = (HashMap::new(), MapTable::new());
+        for slide in self.said.slides.iter().filter(|s| !s.along_normal) {
+            let side = &slide.side;
+            for (e, facet) in facets(side).enumerate() {
+                side.trace.space.map(e, &side.rules.rule(e).points, Order::Gradients, &mut map);
+                let normals = map.jacobian.iter().map(|jacobian| side.trace.normal(e, jacobian));
+                all.insert(facet, (normals.filter(|n| n.iter().all(|v| v.is_finite())).collect(), slide.of));
+            }
+        }
+        all
+    }
+
     /// The directions along which sliding holds facets.
     fn slides(&self) -> HashMap<Facet<N>, Vec<(Vector<N>, Statement)>> {
         let mut all: HashMap<Facet<N>, Vec<(Vector<N>, Statement)>> = HashMap::new();
@@ -234,6 +257,18 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
         all
     }
+}
+
+/// The statement that holds the tangents of all facets of a side, if a force is along them everywhere.
+fn along_tangents<const S: usize, const N: usize>(
+    held: &HashMap<Facet<N>, (Vec<Vector<N>>, Statement)>,
+    side: &BodySide<S, N>,
+    force: &Vector<N>,
+) -> Option<Statement> {
+    let across = |normal: &Vector<N>| normal.dot(force).abs() <= ALONG * force.norm();
+    let mut all = facets(side).map(|f| held.get(&f).filter(|(normals, _)| force.norm() > 0.0 && normals.iter().all(across)));
+    let first = all.next().flatten()?.1;
+    all.all(|of| of.is_some()).then_some(first)
 }
 
 /// The first statement that takes part in a force within the span of what is held; `None` of a force that is not, and of none.

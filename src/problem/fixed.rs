@@ -9,6 +9,7 @@ use super::prescribed::Conditions;
 #[derive(Clone, Debug)]
 pub struct Eliminated {
     taken: Vec<bool>,
+    prescribed: Vec<bool>,
 }
 
 impl Eliminated {
@@ -19,13 +20,7 @@ impl Eliminated {
     /// [`ErrorKind::Prescribed`], [`ErrorKind::Contradiction`] at the first time that has one.
     pub fn of<const S: usize, const N: usize>(model: &Model<S, N>, times: &[f64]) -> Result<Self, ProblemError> {
         let mut taken = vec![false; model.unknowns];
-        let values = model.conditions.iter().map(|c| (&c.value, c.side.patch)).chain(model.pins.iter().map(|p| (&p.value, p.rim.patch)));
-        let changes = values.into_iter().any(|(value, patch)| match value {
-            Value::Zero => false,
-            Value::Exact => model.patches[patch].exact.as_ref().is_some_and(|e| e.depends_on_time()),
-            Value::Data(f) => f.depends_on_time(),
-        });
-        let times = if changes { times } else { &times[..times.len().min(1)] };
+        let (changes, times) = model.times_of_values(times);
         // values that contradict each other at a later time are reported now, too
         for &t in times {
             let prescribed = model.prescribed(t).map_err(|e| {
@@ -37,6 +32,7 @@ impl Eliminated {
             }
             prescribed.iter().for_each(|&(unknown, _)| taken[unknown] = true);
         }
+        let mut values = taken.clone();
         for equation in model.equations.iter().map(|e| &e.equation) {
             // the reduction binds the unknown with the largest coefficient that is still free
             let free = equation.terms.iter().map(|&(i, c)| (model.glued.unknown(i), c)).filter(|(i, _)| !taken[*i]);
@@ -45,20 +41,40 @@ impl Eliminated {
             }
         }
         // a function glued to a held function is held
-        for i in 0..model.unknowns {
-            taken[i] = taken[model.glued.unknown(i)];
-        }
-        for (a, terms) in model.glued.combined() {
-            for c in 0..model.components {
-                taken[model.components * a + c] |= terms.iter().all(|&(b, _)| taken[model.components * b + c]);
+        for held in [&mut taken, &mut values] {
+            for i in 0..model.unknowns {
+                held[i] = held[model.glued.unknown(i)];
+            }
+            for (a, terms) in model.glued.combined() {
+                for c in 0..model.components {
+                    held[model.components * a + c] |= terms.iter().all(|&(b, _)| held[model.components * b + c]);
+                }
             }
         }
-        Ok(Self { taken })
+        Ok(Self { taken, prescribed: values })
+    }
+
+    /// Whether `unknown` has a prescribed value.
+    pub fn is_prescribed(&self, unknown: usize) -> bool {
+        self.prescribed[unknown]
     }
 
     /// Whether `unknown` is eliminated.
     pub fn is(&self, unknown: usize) -> bool {
         self.taken[unknown]
+    }
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// Whether prescribed values change with the time, and those of `times` at which they are to be checked: else the first.
+    pub(super) fn times_of_values<'a>(&self, times: &'a [f64]) -> (bool, &'a [f64]) {
+        let of_sides = self.conditions.iter().map(|c| (&c.value, c.side.patch));
+        let changes = of_sides.chain(self.pins.iter().map(|p| (&p.value, p.rim.patch))).any(|(value, patch)| match value {
+            Value::Zero => false,
+            Value::Exact => self.patches[patch].exact.as_ref().is_some_and(|e| e.depends_on_time()),
+            Value::Data(f) => f.depends_on_time(),
+        });
+        (changes, if changes { times } else { &times[..times.len().min(1)] })
     }
 }
 

@@ -90,7 +90,7 @@ pub fn reactions<const S: usize, const N: usize>(
     let of_slide = |part: &SlidePart<S, N>| {
         let sum = part.force(&state.lambda);
         outside.sum(&sum);
-        (RegionPart::Side(part.side().clone()), sum.force[..n].to_vec())
+        (RegionPart::Side(part.side().said()), sum.force[..n].to_vec())
     };
     let slides: Vec<_> = model.slides.iter().map(of_slide).collect();
     let mut all: Vec<Reaction<S, N>> = Vec::new();
@@ -112,7 +112,7 @@ fn holds<const S: usize, const N: usize>(model: &Model<S, N>) -> (Vec<RegionPart
     let (mut supports, mut all) = (Vec::new(), Vec::new());
     for side in &model.supports {
         let support = supports.len();
-        supports.push(RegionPart::Side(side.clone()));
+        supports.push(RegionPart::Side(side.said()));
         let conditions = model.conditions.iter().filter(|d| Arc::ptr_eq(&d.side, side) && !model.is_symmetry(d)).map(|d| axis(d.component));
         let held = model.held.iter().filter(|h| Arc::ptr_eq(&h.side, side)).map(|h| h.direction);
         let directions: Vec<Vector<N>> = conditions.chain(held).collect();

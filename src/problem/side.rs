@@ -24,7 +24,7 @@ impl<const S: usize, const N: usize> BodySide<S, N> {
     /// The part `trace` of a side, arguments before it as in [`BodySide::new`].
     pub(crate) fn of_trace(patch: &BodyModel<S, N>, number: usize, side: &str, label: String, trace: Trace<S, N>) -> Self {
         let rules = rules(&trace, patch.extra_points, patch.is_revolved());
-        Self { patch: number, side: side.to_owned(), label, field: patch.field, runs: vec![(0, number)], trace, rules }
+        Self { patch: number, side: side.to_owned(), label, field: patch.field, runs: vec![(0, number)], trace, rules, whole: None }
     }
 
     /// Several sides as one surface, in functions of the model: glued functions are one; `None` without sides.
@@ -53,7 +53,7 @@ impl<const S: usize, const N: usize> BodySide<S, N> {
         let rules = rules(&trace, extra, model.is_revolved());
         let label = sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ");
         let field = Field { first: 0, components: model.components };
-        Some(Arc::new(Self { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules }))
+        Some(Arc::new(Self { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules, whole: None }))
     }
 
     /// Number of its body, of several sides that of the first.

@@ -94,7 +94,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         self.sliding(on.into(), false)
     }
 
-    /// Conditions where the normal is an axis, equations along other planar sides, rows on curved ones.
+    /// Conditions where the normal is an axis, equations along other planar sides, rows on curved ones, each between the kinks of the side:
+    /// in a kink the directions of both sides of it are held.
     fn sliding(&mut self, on: Region<'_>, along_normal: bool) -> Result<Statement, ProblemError> {
         let sides = self.sides_of(on)?;
         for side in &sides {
@@ -108,31 +109,36 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         }
         let of = self.statement();
         for side in &sides {
-            let Some(normal) = planar_normal(&side.trace) else {
-                self.said.slides.push(CurvedSlide { of, side: side.clone(), along_normal });
-                self.said.support(side);
-                continue;
-            };
-            if let Some(axis) = (0..N).find(|&k| (normal[k].abs() - 1.0).abs() < PERPENDICULAR) {
-                for component in (0..N).filter(|&c| (c == axis) == along_normal) {
-                    self.said.condition(of, &RegionPart::Side(side.clone()), component, Value::Zero);
-                }
-                continue;
-            }
-            let directions: Vec<Vector<N>> = if along_normal { vec![normal] } else { tangents(&normal) };
-            self.said.held.extend(directions.iter().map(|d| HeldSide { of, side: side.clone(), direction: *d }));
-            let mut dofs = side.trace.dofs.clone();
-            dofs.sort_unstable();
-            dofs.dedup();
-            for dof in dofs {
-                for d in &directions {
-                    let terms = (0..N).filter(|&c| d[c].abs() > PERPENDICULAR).map(|c| (side.field.unknown(dof, c), d[c])).collect();
-                    self.said.equations.push(SaidEquation { of, equation: Equation { terms, value: 0.0 } });
-                }
-            }
-            self.said.support(side);
+            self.pieces_between_kinks(side).iter().for_each(|piece| self.slide(of, piece, along_normal));
         }
         Ok(of)
+    }
+
+    /// Says that a side without kinks slides.
+    fn slide(&mut self, of: Statement, side: &Arc<BodySide<S, N>>, along_normal: bool) {
+        let Some(normal) = planar_normal(&side.trace) else {
+            self.said.slides.push(CurvedSlide { of, side: side.clone(), along_normal });
+            self.said.support(side);
+            return;
+        };
+        if let Some(axis) = (0..N).find(|&k| (normal[k].abs() - 1.0).abs() < PERPENDICULAR) {
+            for component in (0..N).filter(|&c| (c == axis) == along_normal) {
+                self.said.condition(of, &RegionPart::Side(side.clone()), component, Value::Zero);
+            }
+            return;
+        }
+        let directions: Vec<Vector<N>> = if along_normal { vec![normal] } else { tangents(&normal) };
+        self.said.held.extend(directions.iter().map(|d| HeldSide { of, side: side.clone(), direction: *d }));
+        let mut dofs = side.trace.dofs.clone();
+        dofs.sort_unstable();
+        dofs.dedup();
+        for dof in dofs {
+            for d in &directions {
+                let terms = (0..N).filter(|&c| d[c].abs() > PERPENDICULAR).map(|c| (side.field.unknown(dof, c), d[c])).collect();
+                self.said.equations.push(SaidEquation { of, equation: Equation { terms, value: 0.0 } });
+            }
+        }
+        self.said.support(side);
     }
 
     /// Prescribes a linear combination of unknowns: the sum of factor times unknown is `value`. Rigid motions that it prevents are seen

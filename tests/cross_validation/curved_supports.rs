@@ -16,20 +16,20 @@ use std::sync::Arc;
 const YOUNG: f64 = 1.0;
 const NU: f64 = 0.3;
 /// Radii of all rings.
-const RADII: [f64; 2] = [1.0, 2.0];
+pub const RADII: [f64; 2] = [1.0, 2.0];
 const PRESSURE: f64 = 0.1;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+pub enum Kind {
     Nurbs,
     Quadrilaterals,
     Triangles,
 }
 
-const KINDS: [Kind; 3] = [Kind::Nurbs, Kind::Quadrilaterals, Kind::Triangles];
+pub const KINDS: [Kind; 3] = [Kind::Nurbs, Kind::Quadrilaterals, Kind::Triangles];
 
 impl Kind {
-    fn body(self, spec: PatchSpec<2>) -> Arc<dyn Body<1, 2>> {
+    pub fn body(self, spec: PatchSpec<2>) -> Arc<dyn Body<1, 2>> {
         match self {
             Kind::Nurbs => Arc::new(Patch::try_new(&spec).unwrap()),
             Kind::Quadrilaterals => Arc::new(Mesh::from_patch(&spec.with_mapping(Mapping::Exact)).unwrap()),
@@ -38,19 +38,19 @@ impl Kind {
     }
 
     /// NURBS of a ring have at least degree 2.
-    fn degrees(self) -> std::ops::RangeInclusive<usize> {
+    pub fn degrees(self) -> std::ops::RangeInclusive<usize> {
         if self == Kind::Nurbs { 2..=3 } else { 1..=3 }
     }
 }
 
-fn add(p: &mut Problem<1, 2>, name: &str, body: Arc<dyn Body<1, 2>>) -> BodyId {
+pub fn add(p: &mut Problem<1, 2>, name: &str, body: Arc<dyn Body<1, 2>>) -> BodyId {
     let material = BodyMaterial::of::<2>(Hooke::<2>::plane_strain(YOUNG, NU).unwrap()).unwrap();
     // points enough for the norms of errors
     p.add(BodySpec { extra_points: 3, ..BodySpec::new(name, body, material) }).unwrap()
 }
 
 /// The sector of a ring between two angles; u0, u1: its ends, v0, v1: its inner and outer circle.
-fn sector(p: &mut Problem<1, 2>, name: &str, kind: Kind, degree: usize, angles: [f64; 2], elements: [usize; 2]) -> BodyId {
+pub fn sector(p: &mut Problem<1, 2>, name: &str, kind: Kind, degree: usize, angles: [f64; 2], elements: [usize; 2]) -> BodyId {
     let net = annulus_sector([0.0; 2], RADII, angles).unwrap();
     add(p, name, kind.body(PatchSpec::new(net).with_degree([degree; 2]).with_elements(elements)))
 }

@@ -10,6 +10,7 @@ mod choices;
 mod contact;
 mod contact_twins;
 mod converged;
+mod curved_neighbours;
 mod curved_supports;
 mod document;
 mod exact;

@@ -12,12 +12,12 @@ use std::f64::consts::PI;
 const YOUNG: f64 = 1.0;
 const NU: f64 = 0.3;
 /// Inner and outer radius, and the height of tubes.
-const RADII: [f64; 2] = [1.0, 1.6];
-const HEIGHT: f64 = 0.5;
-const PRESSURE: f64 = 0.1;
+pub const RADII: [f64; 2] = [1.0, 1.6];
+pub const HEIGHT: f64 = 0.5;
+pub const PRESSURE: f64 = 0.1;
 
 /// Kinds of bodies, of tubes and of shells, whose octants have a collapsed side that tetrahedra cannot have on an exact map.
-const BODIES: [(Kind, bool); 5] =
+pub const BODIES: [(Kind, bool); 5] =
     [(Kind::Nurbs, false), (Kind::Nurbs, true), (Kind::Hexahedra, false), (Kind::Hexahedra, true), (Kind::Tetrahedra, false)];
 
 /// u_r = A r + B / r^m with the pressure inside, m = 1 of tubes in plane strain, 2 of shells; outside free, or u_r = 0.
@@ -52,7 +52,7 @@ impl Lame {
 }
 
 /// A quarter of a tube, or an eighth of a shell, with `n` elements in all directions, and its flat sides, its inner and its outer one.
-fn body(
+pub fn body(
     p: &mut Problem<2, 3>,
     kind: Kind,
     is_sphere: bool,

@@ -7,6 +7,7 @@ mod bodies;
 mod cells;
 mod common;
 mod curved;
+mod curved_neighbours;
 mod curved_supports;
 mod doubts;
 mod dual;

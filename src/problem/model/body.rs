@@ -134,9 +134,16 @@ pub struct BodySide<const S: usize, const N: usize> {
     pub(crate) runs: Vec<(usize, usize)>,
     /// Rules of integrals over the side.
     pub(crate) rules: PerElement<S>,
+    /// The side of which this is a piece between kinks; `None` for one that was said as it is.
+    pub(crate) whole: Option<Arc<BodySide<S, N>>>,
 }
 
 impl<const S: usize, const N: usize> BodySide<S, N> {
+    /// The side as it was said, of which this may be a piece.
+    pub(crate) fn said(self: &Arc<Self>) -> Arc<Self> {
+        self.whole.as_ref().unwrap_or(self).clone()
+    }
+
     /// The patch behind an element of the side.
     pub(crate) fn patch_of(&self, element: usize) -> usize {
         self.runs[self.runs.partition_point(|r| r.0 <= element) - 1].1

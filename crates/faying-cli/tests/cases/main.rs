@@ -4,6 +4,7 @@
 mod battery;
 mod bulk_terms;
 mod case_files;
+mod curved_neighbours;
 mod exact_per_patch;
 mod extremes;
 mod left_out;

@@ -11,14 +11,14 @@ fn both(text: &str) -> [RunResult; 2] {
 }
 
 /// The errors of a case that is refused.
-fn refused(text: &str) -> Vec<Diagnostic> {
+pub fn refused(text: &str) -> Vec<Diagnostic> {
     let [checked, run] = both(text);
     assert_eq!((checked.exit, run.exit), (3, 3), "{:?} {:?}\n{text}", checked.diagnostics, run.diagnostics);
     assert_eq!(checked.diagnostics, run.diagnostics);
     run.diagnostics
 }
 
-fn solved(text: &str) {
+pub fn solved(text: &str) {
     let [checked, run] = both(text);
     assert_eq!((checked.exit, run.status), (0, Status::Ok), "{:?} {:?}\n{text}", checked.diagnostics, run.diagnostics);
 }
@@ -37,7 +37,7 @@ fn square(backend: &str, size: f64, angle: f64, blocks: &[(&str, &str)]) -> Stri
 }
 
 /// Line of the last text that begins with `word`.
-fn line_of(text: &str, word: &str) -> Option<usize> {
+pub fn line_of(text: &str, word: &str) -> Option<usize> {
     Some(text.lines().count() - text.lines().rev().position(|line| line.starts_with(word))?)
 }
 
@@ -166,7 +166,7 @@ fn loads_that_supports_carry_alone_are_refused_at_any_angle() {
 const WHOLE: &str = "[0, 360]";
 
 /// A ring of radii 1 and 2 between two angles, closed if it is whole, with blocks of (side, lines).
-fn ring(backend: &str, angles: &str, blocks: &[(&str, &str)]) -> String {
+pub fn ring(backend: &str, angles: &str, blocks: &[(&str, &str)]) -> String {
     let closed = if angles == WHOLE { "closed = \"u\"\n" } else { "" };
     let mut text = format!(
         "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"{backend}\"\nmapping = \"exact\"\ndegree = 3\n[[material]]\nname = \"m\"\n\
