@@ -205,7 +205,7 @@ impl Inspection {
                 let middle = place.map_or(String::new(), |place| point(&place.middle, self.flat()));
                 let looks = match place {
                     Some(SidePlace { normal: Some(normal), .. }) => point(normal, self.flat()),
-                    Some(SidePlace { closed_with: Some(other), .. }) => format!("closed: it is {other}"),
+                    Some(SidePlace { closed_with: Some(other), .. }) => format!("lies on {other}"),
                     _ => "collapsed".to_owned(),
                 };
                 let side = format!("{}.{side}", p.name);

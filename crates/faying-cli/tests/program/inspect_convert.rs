@@ -484,7 +484,7 @@ fn sides_are_told_with_their_middle_and_outward_normal() {
     assert_eq!((code, &found["patches"][0]["places"]["u0"]["closed_with"]), (0, &"u1".into()), "{found}");
     assert!(found["patches"][0]["places"]["u0"]["normal"].is_null());
     let text = String::from_utf8(faying(at.path(), &["inspect", "ring.toml"]).stdout).unwrap();
-    assert!(text.contains("closed: it is u1") && text.contains("closed: it is u0") && text.contains("outward normal"), "{text}");
+    assert!(text.contains("lies on u1") && text.contains("lies on u0") && text.contains("outward normal"), "{text}");
     std::fs::write(at.path().join("box.toml"), case(3, "kind = \"box\", min = [0, 0, 0], max = [2, 4, 6]", "[2, 3, 1]")).unwrap();
     let (code, found) = json(at.path(), &["inspect", "box.toml", "--svg"]);
     assert_eq!(code, 0, "{found}");
