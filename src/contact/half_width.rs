@@ -66,7 +66,7 @@ pub enum NoHalfWidth {
     HeldEnd,
 }
 
-/// What a zone does at an end of the slave sides.
+/// The behaviour of a zone at an end of the slave sides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SideEnd {
     /// It ends there.

@@ -16,7 +16,7 @@ pub struct ContactZone<'a, const S: usize, const N: usize> {
     pub sent: ContactResultants<N>,
 }
 
-/// What a zone does at an end of a slave side: number of the zone, element of the side, and local coordinate there.
+/// The behaviour of a zone at an end of a slave side: number of the zone, element of the side, and local coordinate there.
 pub type EndOfZone<'a> = &'a dyn Fn(usize, usize, f64) -> SideEnd;
 
 /// Half the extent of zones.

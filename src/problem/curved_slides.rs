@@ -25,7 +25,7 @@ use std::collections::{HashMap, HashSet};
 
 /// Squared cosine above which a direction that is held counts as that of a row, 45 degrees, where the normal is that of a place near by.
 const NEAR: f64 = 0.5;
-/// The same where it is the normal of the very place: 0.6 degrees.
+/// Squared cosine where the normal is that of the very place: 0.6 degrees.
 const SAME: f64 = 1.0 - 1e-4;
 
 /// A curved side that slides with points of it.

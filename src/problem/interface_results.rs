@@ -251,7 +251,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         sum
     }
 
-    /// What a zone does at an end of a slave side: part, element and local coordinate. On the axis of bodies of revolution it goes on.
+    /// The behaviour of a zone at an end of a slave side: part, element and local coordinate. On the axis of bodies of revolution it goes on.
     fn side_end(&self, model: &Model<S, N>, u: &[f64], (part, element, xi): (usize, usize, f64)) -> SideEnd {
         let slave = &self.parts[part].slave;
         let (at, mut map) = ([Vector::<S>::repeat(xi)], MapTable::new());

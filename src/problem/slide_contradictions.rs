@@ -47,7 +47,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         (0..slides.len()).filter_map(report).collect()
     }
 
-    /// What supports prescribe, but for curved sides.
+    /// Directions that supports prescribe, but for curved sides.
     fn known_directions(&self) -> Vec<Known<'_, N>> {
         let axis = |c: usize| Vector::from_fn(|k, _| f64::from(u8::from(k == c)));
         let of_model = |patch: usize, functions: &[usize]| functions.iter().map(|&f| self.function(patch, f)).collect();

@@ -34,13 +34,8 @@ fn place(x: &[f64]) -> String {
 impl Display for Warning {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         match self {
-            Self::CornerValues { sides: [a, b], component, values, x, t, .. } => {
-                let ([u, v], at, t) = (values.map(digits), place(x), digits(*t));
-                write!(f, "component {component} is {u} on {a} and {v} on {b}, which are tied, in their common corner {at} at t = {t}")
-            }
-            Self::Overlap { of, slave, depth, x, .. } => {
-                let (depth, at) = (digits(*depth), place(x));
-                write!(f, "{of}: {slave} lies {depth} deep in its opponent at {at}, more than half of a body's thickness")
+            Self::CornerValues { .. } | Self::Overlap { .. } | Self::Adjusted { .. } | Self::Locking { .. } | Self::CoarseValues { .. } => {
+                stated(self, f)
             }
             Self::TooFewFunctions { of, slave, functions, body, motions, .. } => {
                 write!(f, "{of}: {functions} functions on {slave} do not hold {body}, which can still move: {}", motions.join(", "))
@@ -106,26 +101,41 @@ impl Display for Warning {
                 let [height, wave, pressure] = [height, wave, pressure].map(|v| digits(*v));
                 write!(f, "pressures of {of} at points have waves of {wave}, of {pressure}: its facets leave their surface by {height}")
             }
-            Self::Adjusted { of, mean, explained } => {
-                let [mean, explained] = [*mean, *explained].map(digits);
-                write!(
-                    f,
-                    "{of} closes {mean} between its surfaces in the mean, of which facets explain {explained}: a fit that was drawn is lost"
-                )
-            }
-            Self::Locking { of, ratio } => {
-                write!(
-                    f,
-                    "{of} of degree 1 is too stiff: its material resists changes of volume {} times as much as those of shape",
-                    digits(*ratio)
-                )
-            }
-            Self::CoarseValues { side, component, t, error, .. } => {
-                let (t, error) = (digits(*t), percent(*error));
-                write!(f, "functions of {side} miss {error} of the values prescribed of component {component} at t = {t}")
-            }
             Self::Kinematics { of, strain, rotation, allowed } => kinematics(of, [strain, rotation], *allowed, f),
         }
+    }
+}
+
+/// Warnings about statements and discretisations in words.
+fn stated(warning: &Warning, f: &mut Formatter<'_>) -> Result {
+    match warning {
+        Warning::CornerValues { sides: [a, b], component, values, x, t, .. } => {
+            let ([u, v], at, t) = (values.map(digits), place(x), digits(*t));
+            write!(f, "component {component} is {u} on {a} and {v} on {b}, which are tied, in their common corner {at} at t = {t}")
+        }
+        Warning::Overlap { of, slave, depth, x, .. } => {
+            let (depth, at) = (digits(*depth), place(x));
+            write!(f, "{of}: {slave} lies {depth} deep in its opponent at {at}, more than half of a body's thickness")
+        }
+        Warning::Adjusted { of, mean, explained } => {
+            let [mean, explained] = [*mean, *explained].map(digits);
+            write!(
+                f,
+                "{of} closes {mean} between its surfaces in the mean, of which facets explain {explained}: a fit that was drawn is lost"
+            )
+        }
+        Warning::Locking { of, ratio } => {
+            write!(
+                f,
+                "{of} of degree 1 is too stiff: its material resists changes of volume {} times as much as those of shape",
+                digits(*ratio)
+            )
+        }
+        Warning::CoarseValues { side, component, t, error, .. } => {
+            let (t, error) = (digits(*t), percent(*error));
+            write!(f, "functions of {side} miss {error} of the values prescribed of component {component} at t = {t}")
+        }
+        _ => Ok(()),
     }
 }
 

@@ -36,7 +36,7 @@ pub struct StoredRun {
     pub version: String,
     /// "poisson" or "elasticity".
     pub physics: String,
-    /// What is assumed out of the plane, "plane-strain", "axisymmetric", "solid"; empty of runs that do not say it.
+    /// Assumption out of the plane, "plane-strain", "axisymmetric", "solid"; empty of runs that do not say it.
     #[serde(default)]
     pub assumption: String,
     /// 2 or 3.
