@@ -57,7 +57,7 @@ impl<'a, const S: usize, const N: usize> SampledSlide<'a, S, N> {
         self.points_of(function).max_by(|a, b| a.value(function).total_cmp(&b.value(function)))
     }
 
-    /// What the side holds where its normal is `normal`.
+    /// Directions that the side holds where its normal is `normal`.
     pub fn directions(&self, normal: &Vector<N>) -> Vec<Vector<N>> {
         if self.slide.along_normal { vec![*normal] } else { tangents(normal) }
     }

@@ -301,7 +301,7 @@ pub enum Warning {
         of: Subject,
         /// Mean distance of the surfaces that is closed \[length\].
         mean: f64,
-        /// What of it facets explain \[length\].
+        /// The part of it that facets explain \[length\].
         explained: f64,
     },
     /// Functions of degree 1 with a material that hardly changes its volume: the body is too stiff.
