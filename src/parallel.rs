@@ -24,6 +24,11 @@ fn run(count: usize, task: &(dyn Fn(usize) + Sync)) {
     }
 }
 
+/// The values of two calls, made at the same time where there are threads.
+pub(crate) fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    if rayon::current_num_threads() == 1 { (a(), b()) } else { rayon::join(a, b) }
+}
+
 fn lock<X>(mutex: &Mutex<X>) -> MutexGuard<'_, X> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -96,6 +101,7 @@ mod tests {
                 assert_eq!(squares, (0..count).map(|k| k * k).collect::<Vec<_>>());
                 marks.iter_mut().enumerate().for_each(|(k, mark)| *mark -= k + 1);
                 assert_eq!(marks, vec![0; count]);
+                assert_eq!(pool.install(|| both(|| count, || map(count, |k| k).len())), (count, count));
             }
         }
     }

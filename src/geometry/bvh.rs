@@ -120,14 +120,19 @@ impl<const N: usize, T: Real> Tree<N, T> {
     /// Items whose boxes meet `query`, in increasing order.
     pub fn meeting(&self, query: &Bounds<N, T>) -> Vec<usize> {
         let mut found = Vec::new();
-        let mut stack = if self.nodes.is_empty() { Vec::new() } else { vec![0] };
-        while let Some(n) = stack.pop() {
-            let node = &self.nodes[n];
+        // halves of a path: their numbers of items fall by two
+        let (mut stack, mut open) = ([0usize; usize::BITS as usize + 1], usize::from(!self.nodes.is_empty()));
+        while open > 0 {
+            open -= 1;
+            let node = &self.nodes[stack[open]];
             if !node.bounds.meets(query) {
                 continue;
             }
             match node.halves {
-                Some((a, b)) => stack.extend([a, b]),
+                Some((a, b)) => {
+                    (stack[open], stack[open + 1]) = (a, b);
+                    open += 2;
+                }
                 None => found.extend(self.items[node.range.0..node.range.1].iter().copied().filter(|&i| self.boxes[i].meets(query))),
             }
         }

@@ -66,8 +66,8 @@ pub struct ClosestPoint<const D: usize, const N: usize, G, T: Real = f64> {
     geometry: G,
     tree: Tree<N, T>,
     size: T,
-    /// Per element and face of its cell: whether no other element has that face.
-    loose: Vec<Vec<bool>>,
+    /// Per element and face of its cell: whether no other element has that face; found when it is first asked for.
+    loose: OnceLock<Vec<Vec<bool>>>,
     /// Per element of a curve: bounds of |x''| and |x'''|.
     bend: Vec<[T; 2]>,
     /// Ends of the pieces of every element of a curve, evaluated once for all queries.
@@ -132,7 +132,6 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         let elements = geometry.num_elements();
         let tree = Tree::new(geometry.all_bounds());
         let size = tree.bounds().map_or(T::zero(), |b| b.diagonal());
-        let loose = if D < N { loose_faces(&geometry, size * lit(SAME_FACE)) } else { Vec::new() };
         let (bend, nodes) = parallel::map_init(if D == 1 { elements } else { 0 }, MapTable::new, |table, e| {
             geometry.map(e, &cell::grid::<D, T>(geometry.cell(e), 2 * PIECES + 1), Order::Hessians, table);
             let second = |q: usize| Vector::<N, T>::from_fn(|c, _| table.hessian[q][c][(0, 0)]);
@@ -144,7 +143,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         })
         .into_iter()
         .unzip();
-        Self { geometry, tree, size, loose, bend, nodes, facing: OnceLock::new() }
+        Self { geometry, tree, size, loose: OnceLock::new(), bend, nodes, facing: OnceLock::new() }
     }
 
     /// The map.
@@ -164,15 +163,19 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
 
     /// The closest point to `x`; `None` if there are no elements or `x` is not finite.
     pub fn project(&self, x: &Vector<N, T>) -> Option<Projection<D, N, T>> {
+        self.project_within(x, self.everywhere(x)?)
+    }
+
+    /// A reach that holds the whole map; `None` if there are no elements or `x` is not finite.
+    fn everywhere(&self, x: &Vector<N, T>) -> Option<T> {
         let far = x.iter().all(|v| v.is_finite()).then(|| self.tree.bounds()).flatten()?;
-        self.project_within(x, (far.distance(x) + far.diagonal()) * lit(2.0) + T::one())
+        Some((far.distance(x) + far.diagonal()) * lit(2.0) + T::one())
     }
 
     /// An upper bound of the distance of a curve (D = 1) to `x`, above it by no more than half a piece of an element: the distance to the
     /// nearest end of a piece. No map is evaluated. `None` if there are no elements or `x` is not finite.
     pub(crate) fn distance_bound(&self, x: &Vector<N, T>) -> Option<T> {
-        let far = x.iter().all(|v| v.is_finite()).then(|| self.tree.bounds()).flatten()?;
-        let mut least = (far.distance(x) + far.diagonal()) * lit(2.0) + T::one();
+        let mut least = self.everywhere(x)?;
         self.tree.nearest(x, least, |element| {
             least = self.nodes[element].iter().fold(least, |least, node| least.min((node.x - x).norm()));
             least
@@ -180,13 +183,28 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         Some(least)
     }
 
+    /// The closest point to `x` as [`project`](Self::project) finds it, without its `rim`.
+    pub(crate) fn project_anywhere(&self, x: &Vector<N, T>) -> Option<Projection<D, N, T>> {
+        let reach = self.everywhere(x)?;
+        self.with_table(|table| self.nearest(x, reach, table))
+    }
+
     /// The closest point to `x` nearer than `reach`; `None` if there is none.
     pub fn project_within(&self, x: &Vector<N, T>, reach: T) -> Option<Projection<D, N, T>> {
         if !x.iter().all(|v| v.is_finite()) {
             return None;
         }
+        self.with_table(|table| {
+            let found = self.nearest(x, reach, table)?;
+            let rim = D < N && self.beyond_rim(&found, x, table);
+            Some(Projection { rim, ..found })
+        })
+    }
+
+    /// Calls `search` with the table of this thread.
+    fn with_table<R>(&self, search: impl FnOnce(&mut MapTable<D, N, T>) -> R) -> R {
         let mut table = TABLE.with_borrow_mut(|slot| slot.take::<MapTable<D, N, T>>());
-        let found = self.nearest(x, reach, &mut table);
+        let found = search(&mut table);
         TABLE.with_borrow_mut(|slot| slot.keep(table));
         found
     }
@@ -208,8 +226,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         if D == 1 {
             self.polish(x, &mut best, table);
         }
-        let rim = D < N && self.beyond_rim(&best, x, table);
-        Some(Projection { element: best.element, xi: best.xi, x: best.x, distance: best.distance, rim })
+        Some(Projection { element: best.element, xi: best.xi, x: best.x, distance: best.distance, rim: false })
     }
 
     /// The point of one element closest to `x`, without its `rim`.
@@ -226,7 +243,11 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         Projection { element, xi, x: at, distance, rim: false }
     }
 
-    fn beyond_rim(&self, best: &Best<D, N, T>, p: &Vector<N, T>, table: &mut MapTable<D, N, T>) -> bool {
+    fn loose(&self) -> &[Vec<bool>] {
+        self.loose.get_or_init(|| loose_faces(&self.geometry, self.size * lit(SAME_FACE)))
+    }
+
+    fn beyond_rim(&self, best: &Projection<D, N, T>, p: &Vector<N, T>, table: &mut MapTable<D, N, T>) -> bool {
         let kind = self.geometry.cell(best.element);
         let faces = cell::faces::<D, T>(kind);
         let tiny = T::default_epsilon() * lit(8.0);
@@ -235,7 +256,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
             Cell::Simplex if f < D => best.xi[f].abs() <= tiny,
             Cell::Simplex => (best.xi.sum() - T::one()).abs() <= tiny,
         };
-        if !(0..faces.len()).any(|f| at(f) && self.loose[best.element].get(f).copied().unwrap_or(false)) {
+        if !(0..faces.len()).any(|f| at(f) && self.loose()[best.element].get(f).copied().unwrap_or(false)) {
             return false;
         }
         self.geometry.map(best.element, &[best.xi], Order::Gradients, table);

@@ -11,6 +11,7 @@ mod curved_neighbours;
 mod curved_supports;
 mod doubts;
 mod dual;
+mod evaluations;
 mod extruded;
 mod flat;
 mod gaps;

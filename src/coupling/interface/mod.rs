@@ -101,6 +101,18 @@ impl<const D: usize, T: Real> Segments<D, T> {
         Self::default()
     }
 
+    /// An empty list with room for pieces and points.
+    fn with_capacity(pieces: usize, points: usize) -> Self {
+        let mut out = Self::new();
+        out.slave.reserve(pieces);
+        out.master.reserve(pieces);
+        out.start.reserve(pieces);
+        out.slave_xi.reserve(points);
+        out.master_xi.reserve(points);
+        out.ds.reserve(points);
+        out
+    }
+
     /// Number of pieces.
     pub fn num_pieces(&self) -> usize {
         self.slave.len()

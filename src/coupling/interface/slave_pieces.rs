@@ -60,7 +60,8 @@ pub(super) fn join<const D: usize, T: Real>(
     master: &dyn Elements,
     touching: bool,
 ) -> Result<Segments<D, T>, CouplingError> {
-    let mut out = Segments::new();
+    let (pieces, points) = parts.iter().flat_map(|part| &part.pieces).fold((0, 0), |(n, q), piece| (n + 1, q + piece.1.len()));
+    let mut out = Segments::with_capacity(pieces, points);
     let (mut report, mut worst, mut lost) = (Coverage::default(), Worst::none(), None);
     for part in parts {
         report.slave_measure += part.measure;

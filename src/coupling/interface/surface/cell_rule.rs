@@ -88,6 +88,9 @@ enum Beside {
 }
 
 fn beside(chain: &[EdgePiece], poles: &[Vector<2>]) -> Beside {
+    if poles.is_empty() {
+        return Beside::Nothing;
+    }
     let (lo, hi) = extent(chain);
     let size = (hi - lo).amax();
     let starts: Vec<usize> = (0..chain.len()).filter(|&k| poles.iter().any(|pole| (chain[k].from() - pole).amax() <= AT_POLE)).collect();
@@ -180,13 +183,12 @@ fn apex(chain: &[EdgePiece], whole: f64, rule: &LineRule) -> Option<Vector<2>> {
 
 /// Box around the points of a chain.
 fn extent(chain: &[EdgePiece]) -> (Vector<2>, Vector<2>) {
-    let mut points: Vec<Vector<2>> = chain.iter().map(EdgePiece::from).collect();
-    for piece in chain {
-        if let EdgePiece::Curve(nodes) = piece {
-            points.extend_from_slice(nodes);
-        }
-    }
-    points.iter().fold((points[0], points[0]), |(lo, hi), p| (lo.inf(p), hi.sup(p)))
+    let first = chain.first().map_or_else(Vector::zeros, EdgePiece::from);
+    let grown = |(lo, hi): (Vector<2>, Vector<2>), p: &Vector<2>| (lo.inf(p), hi.sup(p));
+    chain.iter().fold((first, first), |box_, piece| match piece {
+        EdgePiece::Line(a, _) => grown(box_, a),
+        EdgePiece::Curve(nodes) => nodes.iter().fold(box_, grown),
+    })
 }
 
 /// The part of a chain where normal · x >= offset, for a unit normal.

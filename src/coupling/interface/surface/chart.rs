@@ -138,8 +138,8 @@ impl<'a> Chart<'a> {
     }
 
     fn model(&mut self, at: &Vector<2>, x: &Vector<3>, n: &Vector<3>, s: f64) -> Model {
-        self.facets.at(self.facet, &[*at], Order::Gradients, &mut self.table);
-        Model::at(&self.table.jacobian[0], &(x - self.table.x[0]), n, s)
+        let (on, jacobian) = self.facets.one(self.facet, at, &mut self.table);
+        Model::at(&jacobian, &(x - on), n, s)
     }
 
     /// Positions and Jacobians at points of the facet, in its coordinates.

@@ -16,6 +16,11 @@ pub(super) const COLLINEAR: f64 = 1e-15;
 pub(super) fn clip(polygon: Polygon, chain: Vec<EdgePiece>) -> Vec<EdgePiece> {
     let mut chain = chain;
     for k in 0..polygon.sides() {
+        let is_inside =
+            |piece: &EdgePiece| piece.is_curve() || polygon.distance(k, &piece.from()) >= 0.0 && polygon.distance(k, &piece.to()) >= 0.0;
+        if chain.iter().all(is_inside) {
+            continue;
+        }
         chain = halved(chain, |p| polygon.distance(k, p), |p| polygon.put_on(k, p));
         if chain.is_empty() {
             return chain;

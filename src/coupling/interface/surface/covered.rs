@@ -37,7 +37,7 @@ impl Sides<'_> {
     pub fn part_of_master(&self, element: usize, by: &[usize]) -> Option<WeightedPoints> {
         let (own, skeleton) = (&self.master.facets, &self.master.skeleton);
         let f = single(own, element)?;
-        if skeleton.sides[f].iter().flatten().any(|&e| skeleton.edges[e].at.len() > 1 && !skeleton.edges[e].smooth) {
+        if skeleton.sides[f].iter().flatten().any(|&e| !skeleton.edges[e].is_rim() && !skeleton.edges[e].smooth) {
             return None;
         }
         // no normal: points are seen at their closest points
@@ -47,7 +47,7 @@ impl Sides<'_> {
     /// Whether one of these slave elements has a side that no other element shares.
     pub fn ends_at(&self, elements: &[usize]) -> bool {
         let sides = elements.iter().flat_map(|&e| self.slave.of(e)).flat_map(|s| self.skeleton.sides[s]);
-        sides.flatten().any(|e| self.skeleton.edges[e].at.len() == 1)
+        sides.flatten().any(|e| self.skeleton.edges[e].is_rim())
     }
 
     fn part(
@@ -63,8 +63,11 @@ impl Sides<'_> {
         let (polygon, mut points, mut whole) = (chart.polygon, Vec::new(), 0.0);
         let mut traced = Traced::new(other, skeleton, &mut chart, &mut table);
         for outline in outlines(other, skeleton, &by, &sign)? {
-            let side = |&(f, k): &(usize, usize)| traced.side(f, k, sign(f), sign(f) * skeleton.sign[f] * along);
-            let chain = clip(polygon, outline.iter().flat_map(side).collect());
+            let mut chain = Vec::new();
+            for &(f, k) in &outline {
+                traced.side(f, k, sign(f), sign(f) * skeleton.sign[f] * along, &mut chain);
+            }
+            let chain = clip(polygon, chain);
             let chain = simplified(chain.into_iter().map(straightened).collect(), STRAIGHT);
             let inside = area(&chain);
             if inside < -NOTHING {
@@ -102,7 +105,7 @@ fn outlines(facets: &Facets<'_>, skeleton: &Skeleton, list: &[usize], sign: impl
         let sides = facets.list[f].polygon.sides();
         for k in 0..sides {
             let Some(edge) = skeleton.sides[f][k] else { continue };
-            if skeleton.edges[edge].at.iter().all(|at| *at == (f, k) || !in_list.contains(&at.0)) {
+            if skeleton.edges[edge].at().iter().all(|at| *at == (f, k) || !in_list.contains(&at.0)) {
                 let ends = [skeleton.corners[f][k], skeleton.corners[f][(k + 1) % sides]];
                 let [from, to] = if sign(f) < 0.0 { [ends[1], ends[0]] } else { ends };
                 leaving.entry(from).or_default().push((to, (f, k)));

@@ -5,6 +5,7 @@ use super::super::slave_pieces::{Point, SlavePieces};
 use super::cell_rule::{WeightedPoints, fill};
 use super::chart::Chart;
 use super::facets::Facets;
+use super::numbers::ByNumber;
 use super::owner::{Foot, MasterSurface};
 use super::piece::{EdgePiece, LineRule};
 use super::polygon::Polygon;
@@ -13,10 +14,10 @@ use super::skeleton::Skeleton;
 use super::slave::Own;
 use crate::basis::Order;
 use crate::coupling::CouplingError;
-use crate::geometry::{Geometry, MapTable, cross, opposes, unit_normal};
+use crate::geometry::{Bounds, Geometry, MapTable, cross, opposes, unit_normal};
 use crate::linalg::Vector;
+use crate::parallel;
 use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
-use std::collections::HashMap;
 
 /// Deviation of the sum of regions from the facet that is rounding.
 const TILES: f64 = 1e-9;
@@ -44,7 +45,20 @@ pub(super) struct Sides<'a> {
     pub lines: Vec<LineRule>,
     own: [Rule<2>; 2],
     /// +1 where the walked normals of a slave part and a master part point to the same side.
-    same: HashMap<(usize, usize), f64>,
+    same: ByNumber<(usize, usize), f64>,
+    /// Boxes of the slave's elements.
+    boxes: Vec<Bounds<3>>,
+}
+
+/// What a thread keeps from one element to the next: points of a region in the chart and in space, their weights, normals and feet.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    at: Vec<Vector<2>>,
+    x: Vec<Vector<3>>,
+    ds: Vec<f64>,
+    normals: Vec<Vector<3>>,
+    feet: Vec<Foot>,
+    pub table: MapTable<2, 3>,
 }
 
 /// A facet of the slave in work: where it lies, and what its chart is oriented by.
@@ -65,21 +79,13 @@ impl<'a> Sides<'a> {
         let size = |map: &dyn Geometry<2, 3>| map.extent().map_or(0.0, |b| b.diagonal());
         let slave_size = size(slave);
         let sizes = [slave_size, slave_size.max(size(master))];
-        let facets = Facets::new(slave)?;
-        let skeleton = Skeleton::new(&facets);
+        let of_slave = || Facets::new(slave).map(|facets| (Skeleton::new(&facets), facets, slave.all_bounds()));
+        let (of_slave, of_master) = parallel::both(of_slave, || MasterSurface::new(master));
+        let (skeleton, facets, boxes) = of_slave?;
         let own = [TensorRule::<2>::gauss([points + 4; 2]).rule(0).clone(), simplex_rule(2 * points + 7)];
         let lines = (0..=MOST_POINTS.max(points + 3)).map(|n| LineRule::new(n.max(1))).collect();
-        let mut sides = Self {
-            slave: facets,
-            skeleton,
-            master: MasterSurface::new(master)?,
-            partners,
-            points,
-            sizes,
-            lines,
-            own,
-            same: HashMap::new(),
-        };
+        let mut sides =
+            Self { slave: facets, skeleton, master: of_master?, partners, points, sizes, lines, own, same: ByNumber::default(), boxes };
         sides.orient();
         Ok(sides)
     }
@@ -87,13 +93,13 @@ impl<'a> Sides<'a> {
     /// Finds the parts that face each other in one orientation, by the nearest pair of normals.
     fn orient(&mut self) {
         let stride = self.slave.list.len().div_ceil(TOLD_BY).max(1);
-        let mut nearest: HashMap<(usize, usize), (f64, f64)> = HashMap::new();
+        let mut nearest: ByNumber<(usize, usize), (f64, f64)> = ByNumber::default();
         let mut table = MapTable::new();
         for s in (0..self.slave.list.len()).step_by(stride) {
             let center = self.slave.list[s].polygon.center();
             self.slave.at(s, &[center], Order::Gradients, &mut table);
             let (x, own) = (table.x[0], unit_normal(&table.jacobian[0], self.skeleton.sign[s]));
-            let Some(hit) = self.master.project(&x) else { continue };
+            let Some(hit) = self.master.nearest(&x) else { continue };
             self.master.facets.map.map(hit.element, &[hit.xi], Order::Gradients, &mut table);
             let f = self.master.facets.start[hit.element];
             let along = own.dot(&unit_normal(&table.jacobian[0], self.master.skeleton.sign[f]));
@@ -122,21 +128,21 @@ impl<'a> Sides<'a> {
     }
 
     /// Integrates one element.
-    pub fn element(&self, element: usize) -> SlavePieces<2, f64> {
+    pub fn element(&self, element: usize, scratch: &mut Scratch) -> SlavePieces<2, f64> {
         let mut part = SlavePieces::new(element);
-        let (mut table, mut whole, mut lost, mut share) = (MapTable::new(), true, false, 0.0);
+        let (mut whole, mut lost, mut share) = (true, false, 0.0);
         let range = self.slave.of(element);
         let count = range.len() as f64;
         for s in range {
             let work = Work { facets: &self.slave, facet: s, whole: s };
-            let done = self.facet(&work, AGAIN, &mut part, &mut table);
+            let done = self.facet(&work, AGAIN, &mut part, scratch);
             whole &= (done.share - 1.0).abs() <= TILES;
             lost |= done.lost;
             share += done.share / count;
         }
         let mut measure = || {
             let rule = |s: usize| &self.own[usize::from(self.slave.list[s].polygon == Polygon::Triangle)];
-            self.slave.of(element).map(|s| self.slave.measure(s, rule(s), &mut table)).sum()
+            self.slave.of(element).map(|s| self.slave.measure(s, rule(s), &mut scratch.table)).sum()
         };
         part.whole = whole && !lost;
         part.measure = if part.whole { part.covered } else { measure() };
@@ -145,11 +151,11 @@ impl<'a> Sides<'a> {
     }
 
     /// Integrates a facet; one that its regions do not tile is cut in four.
-    fn facet(&self, work: &Work<'_, 'a>, again: usize, part: &mut SlavePieces<2, f64>, table: &mut MapTable<2, 3>) -> Done {
+    fn facet(&self, work: &Work<'_, 'a>, again: usize, part: &mut SlavePieces<2, f64>, scratch: &mut Scratch) -> Done {
         let mut chart = Chart::new(work.facets, work.facet);
         let cell = chart.polygon.area();
-        let candidates = self.candidates(work, table);
-        let mut found = regions(&mut chart, &self.master, &candidates, |f| self.sign(work.whole, f), table);
+        let candidates = self.candidates(work, &mut scratch.table);
+        let mut found = regions(&mut chart, &self.master, &candidates, &mut scratch.table);
         if found.share(cell) > 1.0 + TILES {
             self.confirm(&mut chart, &mut found);
         }
@@ -168,14 +174,14 @@ impl<'a> Sides<'a> {
             let mut all = Done { share: 0.0, lost: false };
             for facet in 0..quarters.list.len() {
                 let work = Work { facets: &quarters, facet, whole: work.whole };
-                let done = self.facet(&work, again - 1, part, table);
+                let done = self.facet(&work, again - 1, part, scratch);
                 all = Done { share: all.share + 0.25 * done.share, lost: all.lost | done.lost };
             }
             return all;
         }
         let mut done = Done { share: 0.0, lost: is_lost };
         for (region, points) in found.list.iter().zip(&filled) {
-            if self.pair(work, &mut chart, region, points, part, table) {
+            if self.pair(work, &mut chart, region, points, part, scratch) {
                 done.share += points.iter().map(|p| p.1).sum::<f64>() / cell;
             }
         }
@@ -192,30 +198,30 @@ impl<'a> Sides<'a> {
         let n = if is_straight { self.points } else { (self.points + 3).max(5) };
         let own_pole = own.pole.then(|| own.polygon.corner(2));
         let poles: Vec<Vector<2>> = own_pole.into_iter().chain(region.pole).collect();
-        let mut points = Vec::new();
+        let mut points = Vec::with_capacity(region.chain.len() * n * n);
         fill(&region.chain, &poles, &self.lines[n], &mut points);
         points
     }
 
     /// Master facets that may hold partners of a slave element.
-    pub fn near(&self, element: usize) -> Vec<usize> {
-        let mut table = MapTable::new();
-        let of = |s: usize| self.candidates(&Work { facets: &self.slave, facet: s, whole: s }, &mut table);
-        self.slave.of(element).flat_map(of).collect()
+    pub fn near(&self, element: usize, table: &mut MapTable<2, 3>) -> Vec<usize> {
+        let of = |s: usize| self.candidates(&Work { facets: &self.slave, facet: s, whole: s }, table);
+        self.slave.of(element).flat_map(of).map(|(f, _)| f).collect()
     }
 
-    /// Master facets that may hold partners of a slave facet.
-    fn candidates(&self, work: &Work<'_, 'a>, table: &mut MapTable<2, 3>) -> Vec<usize> {
+    /// Master facets that may hold partners of a slave facet, with their [`sign`](Self::sign).
+    fn candidates(&self, work: &Work<'_, 'a>, table: &mut MapTable<2, 3>) -> Vec<(usize, f64)> {
         let own = &work.facets.list[work.facet];
         let bounds = match work.facets.is_whole(work.facet) {
-            true => work.facets.map.bounds(own.element),
+            true => self.boxes[own.element],
             false => work.facets.bounds(work.facet, table),
         };
         let extent = bounds.diagonal();
         let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], [extent; 2]);
         let margin = if self.partners.touch() { allowed } else { self.reach(work, allowed, table) };
         let found = self.master.candidates(&bounds.inflated(margin + SLACK * extent));
-        found.into_iter().filter(|&f| may_face(work.facets, work.facet, &self.master.facets, f, self.sign(work.whole, f))).collect()
+        let signed = found.into_iter().map(|f| (f, self.sign(work.whole, f)));
+        signed.filter(|&(f, sign)| may_face(work.facets, work.facet, &self.master.facets, f, sign)).collect()
     }
 
     /// Largest distance of partners of a facet: that at its corners and centre, but not beyond what is allowed.
@@ -224,7 +230,7 @@ impl<'a> Sides<'a> {
         let mut points: Vec<Vector<2>> = (0..polygon.sides()).map(|k| polygon.corner(k)).collect();
         points.push(polygon.center());
         work.facets.at(work.facet, &points, Order::Values, table);
-        let far = table.x.iter().filter_map(|x| self.master.project(x)).map(|hit| hit.distance).fold(0.0, f64::max);
+        let far = table.x.iter().filter_map(|x| self.master.nearest(x)).map(|hit| hit.distance).fold(0.0, f64::max);
         far.min(allowed)
     }
 
@@ -272,22 +278,24 @@ impl<'a> Sides<'a> {
         region: &Region,
         points: &WeightedPoints,
         part: &mut SlavePieces<2, f64>,
-        table: &mut MapTable<2, 3>,
+        scratch: &mut Scratch,
     ) -> bool {
         if points.is_empty() {
             return false;
         }
         let (own, other) = (&work.facets.list[work.facet], &self.master.facets.list[region.facet]);
-        let at: Vec<Vector<2>> = points.iter().map(|p| p.0).collect();
-        let (x, ds, normals) = {
-            let here = chart.eval(&at);
-            let normals: Vec<Vector<3>> = here.jacobian.iter().map(cross).collect();
-            let ds: Vec<f64> = normals.iter().zip(points).map(|(n, p)| n.norm() * p.1).collect();
-            (here.x.clone(), ds, normals)
-        };
+        let Scratch { at, x, ds, normals, feet, table } = scratch;
+        at.clear();
+        at.extend(points.iter().map(|p| p.0));
+        let here = chart.eval(at);
+        x.clone_from(&here.x);
+        normals.clear();
+        normals.extend(here.jacobian.iter().map(cross));
+        ds.clear();
+        ds.extend(normals.iter().zip(points).map(|(n, p)| n.norm() * p.1));
         let measure: f64 = ds.iter().sum();
-        let center = x.iter().zip(&ds).fold(Vector::zeros(), |s: Vector<3>, (x, w)| s + x * *w) / measure.max(f64::MIN_POSITIVE);
-        let feet = self.master.feet(region.facet, &center, &x, table);
+        let center = x.iter().zip(ds.iter()).fold(Vector::zeros(), |s: Vector<3>, (x, w)| s + x * *w) / measure.max(f64::MIN_POSITIVE);
+        self.master.feet(region.facet, &center, x, feet, table);
         if !self.faces(own.element, other.element, &normals[0], region.facet, &feet[0], table) {
             return false;
         }

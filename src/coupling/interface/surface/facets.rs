@@ -9,6 +9,7 @@
 //!
 //! in which the map is regular in every direction from the pole, as it is not in (u, v).
 
+use super::biquadratic::Biquadratic;
 use super::parts::parts;
 use super::pole::{BESIDE_POLE, beside, from_pole, from_pole_second};
 use super::polygon::Polygon;
@@ -28,8 +29,11 @@ const SAME_PLACE: f64 = 1e-9;
 /// Deviation from the linear map, in local coordinates, that is rounding.
 const AFFINE: f64 = 2e-14;
 
+/// Points along a side of the grid on which a facet is measured, and of an element known to be affine.
+const GRID: [usize; 2] = [5, 2];
+
 /// A facet: the cell it has, and its place in the element.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Facet {
     pub element: usize,
     pub polygon: Polygon,
@@ -42,6 +46,8 @@ pub(super) struct Facet {
     whole: bool,
     /// Whether its map is affine.
     pub affine: bool,
+    /// Its map, where that is such a polynomial and not affine.
+    form: Option<Box<Biquadratic>>,
     /// Largest deviation of its linearised map at the centre, in local coordinates.
     pub bend: f64,
     /// Position and Jacobian at the centre, and (JᵀJ)⁻¹ Jᵀ.
@@ -84,69 +90,56 @@ impl<'a> Facets<'a> {
         let mut facets = Self { map, list: Vec::new(), start: vec![0] };
         let mut table = MapTable::new();
         for element in elements {
-            for (origin, axes) in parts(map, element, &mut table) {
-                let polygon = polygon_of(map.cell(element));
-                let whole = origin == Vector::<2>::zeros() && axes == Matrix::<2, 2>::identity();
-                let mut facet = Facet {
-                    element,
-                    polygon,
-                    pole: false,
-                    origin,
-                    axes,
-                    whole,
-                    affine: false,
-                    bend: 0.0,
-                    x: Vector::zeros(),
-                    jacobian: Matrix::zeros(),
-                    back: Matrix::zeros(),
-                    normal: Vector::zeros(),
-                    cone: 0.0,
-                    size: 0.0,
-                };
-                facets.find_pole(&mut facet, &mut table)?;
-                facets.list.push(facet);
-                facets.measure_last(&mut table);
+            let whole = Facet::of_element(element, polygon_of(map.cell(element)));
+            let grid = GRID[usize::from(map.map_structure().is_affine(element))];
+            let lengths = facets.add(whole, grid, &mut table);
+            let first = facets.list.len() - 1;
+            let cut = if facets.list[first].affine { Vec::new() } else { parts(&facets, first, &mut table) };
+            if cut.len() < 2 {
+                facets.turn_to_pole(&lengths, &mut table)?;
+            } else if let Some(whole) = facets.list.pop() {
+                for (origin, axes) in cut {
+                    let lengths = facets.add(Facet { origin, axes, whole: false, ..whole.clone() }, GRID[0], &mut table);
+                    facets.turn_to_pole(&lengths, &mut table)?;
+                }
             }
             facets.start.push(facets.list.len());
         }
         Ok(facets)
     }
 
-    /// Lengths of the sides; a side of no length turns the facet so that its pole is the last corner of a triangle.
-    fn find_pole(&self, facet: &mut Facet, table: &mut MapTable<2, 3>) -> Result<(), CouplingError> {
-        let polygon = facet.polygon;
-        let mut lengths = Vec::with_capacity(4);
-        for k in 0..polygon.sides() {
-            let points: Vec<Vector<2>> = (0..5).map(|i| facet.local(&polygon.on_side(k, f64::from(i) * 0.25))).collect();
-            self.map.map(facet.element, &points, Order::Values, table);
-            lengths.push(table.x.windows(2).map(|w| (w[1] - w[0]).norm()).sum::<f64>());
-        }
+    /// A side of no length turns the facet that was added last so that its pole is the last corner of a triangle.
+    fn turn_to_pole(&mut self, lengths: &[f64], table: &mut MapTable<2, 3>) -> Result<(), CouplingError> {
         let longest = lengths.iter().fold(0.0f64, |m, &l| m.max(l));
-        let is_point = |k: &usize| lengths[*k] <= COLLAPSED * longest;
-        let points: Vec<usize> = (0..polygon.sides()).filter(is_point).collect();
-        facet.size = lengths.iter().copied().filter(|&l| l > COLLAPSED * longest).fold(f64::INFINITY, f64::min);
+        let points: Vec<usize> = (0..lengths.len()).filter(|&k| lengths[k] <= COLLAPSED * longest).collect();
+        let Some(mut facet) = (if points.is_empty() { None } else { self.list.pop() }) else { return Ok(()) };
+        let polygon = facet.polygon;
         match points[..] {
-            [] => Ok(()),
             [k] if polygon == Polygon::Square => {
                 let corner = |j: usize| facet.local(&polygon.corner(j + k + 2));
                 (facet.origin, facet.axes) = (corner(0), Matrix::from_columns(&[corner(1) - corner(0), corner(3) - corner(0)]));
                 (facet.polygon, facet.pole, facet.whole) = (Polygon::Triangle, true, false);
+                self.add(facet, GRID[0], table);
                 Ok(())
             }
             _ => Err(CouplingError::Missing(format!("element {} of a surface has no area, or two sides that are points", facet.element))),
         }
     }
 
-    /// Measures normals and the deviation from a linear map of the facet that was added last.
-    fn measure_last(&mut self, table: &mut MapTable<2, 3>) {
-        let f = self.list.len() - 1;
+    /// Adds a facet and measures it on a grid: its size, its normals, the deviation from a linear map. Returns the lengths of its sides.
+    fn add(&mut self, facet: Facet, n: usize, table: &mut MapTable<2, 3>) -> Vec<f64> {
+        let (polygon, f) = (facet.polygon, self.list.len());
         // not yet known to be affine: all is evaluated
-        self.list[f].affine = false;
-        let polygon = self.list[f].polygon;
-        let mut points = polygon.grid(5);
+        self.list.push(Facet { affine: false, form: None, ..facet });
+        let mut points = polygon.grid(n);
         points.push(polygon.center());
         let center = points.len() - 1;
         self.at(f, &points, Order::Gradients, table);
+        let on_side = |k: usize, i: usize| table.x[polygon.side_index(n, k, i)];
+        let length = |k: usize| (1..n).map(|i| (on_side(k, i) - on_side(k, i - 1)).norm()).sum::<f64>();
+        let lengths: Vec<f64> = (0..polygon.sides()).map(length).collect();
+        let longest = lengths.iter().fold(0.0f64, |m, &l| m.max(l));
+        let size = lengths.iter().copied().filter(|&l| l > COLLAPSED * longest).fold(f64::INFINITY, f64::min);
         let (x, j) = (table.x[center], table.jacobian[center]);
         let normal = unit_normal(&j, 1.0);
         let back = inverse(&j.tr_mul(&j)).unwrap_or_else(Matrix::zeros) * j.transpose();
@@ -160,11 +153,22 @@ impl<'a> Facets<'a> {
                 cone = cone.max(angle(&normal, &other));
             }
         }
-        let far = x.norm() / self.list[f].size;
+        let rounding = AFFINE * (1.0 + x.norm() / size);
         let facet = &mut self.list[f];
         (facet.x, facet.jacobian, facet.back) = (x, j, back);
-        (facet.normal, facet.cone, facet.bend) = (normal, cone, bend);
-        facet.affine = !facet.pole && bend <= AFFINE * (1.0 + far);
+        (facet.normal, facet.cone, facet.bend, facet.size) = (normal, cone, bend, size);
+        facet.affine = !facet.pole && bend <= rounding;
+        if !facet.pole && !facet.affine && n == GRID[0] {
+            let form = Biquadratic::through(polygon, &x, |i, k| table.x[polygon.grid_index(n, 2 * i, 2 * k)]);
+            let is_one = points.iter().enumerate().all(|(q, at)| {
+                let (on, slope) = form.at(at);
+                let off = on - table.x[q];
+                (back * off).amax().max(off.norm() / j.norm()) <= rounding
+                    && (slope - table.jacobian[q]).norm() <= 10.0 * rounding * j.norm()
+            });
+            facet.form = is_one.then(|| Box::new(form));
+        }
+        lengths
     }
 
     /// The facets of an element.
@@ -175,10 +179,18 @@ impl<'a> Facets<'a> {
     /// Positions and derivatives in the coordinates of facet `f`.
     pub fn at(&self, f: usize, points: &[Vector<2>], order: Order, table: &mut MapTable<2, 3>) {
         let facet = &self.list[f];
-        if facet.affine && order < Order::Hessians {
+        if facet.form.is_some() || facet.affine && order < Order::Hessians {
             table.reset(points.len(), order);
-            table.x.iter_mut().zip(points).for_each(|(x, p)| *x = facet.x + facet.jacobian * (p - facet.polygon.center()));
-            table.jacobian.fill(facet.jacobian);
+            for (q, p) in points.iter().enumerate() {
+                let (x, jacobian) = facet.known(p).unwrap_or_default();
+                table.x[q] = x;
+                if order >= Order::Gradients {
+                    table.jacobian[q] = jacobian;
+                }
+                if let (Some(form), true) = (&facet.form, order >= Order::Hessians) {
+                    table.hessian[q] = form.hessian(p);
+                }
+            }
             return;
         }
         if facet.whole {
@@ -208,18 +220,22 @@ impl<'a> Facets<'a> {
         }
     }
 
-    /// The unit normal at a corner of a facet; at a pole the product of the tangents of the two sides that end there.
-    pub fn normal_at_corner(&self, f: usize, k: usize, table: &mut MapTable<2, 3>) -> Vector<3> {
+    /// Position and Jacobian at one point of facet `f`.
+    pub fn one(&self, f: usize, p: &Vector<2>, table: &mut MapTable<2, 3>) -> (Vector<3>, Matrix<3, 2>) {
+        self.list[f].known(p).unwrap_or_else(|| {
+            self.at(f, &[*p], Order::Gradients, table);
+            (table.x[0], table.jacobian[0])
+        })
+    }
+
+    /// The unit normal at the pole of a facet: the product of the tangents of the two sides that end there.
+    pub fn normal_at_pole(&self, f: usize, table: &mut MapTable<2, 3>) -> Vector<3> {
         let facet = &self.list[f];
-        if facet.pole && k == 2 {
-            let ends = [Vector::<2>::new(0.0, 1.0), Vector::<2>::new(1.0, 1.0)].map(|uv| facet.origin + facet.axes * uv);
-            self.map.map(facet.element, &ends, Order::Gradients, table);
-            let towards = [0, 1].map(|q| (table.jacobian[q] * facet.axes).column(1).into_owned());
-            let product = towards[0].cross(&towards[1]);
-            return product / product.norm().max(f64::MIN_POSITIVE);
-        }
-        self.at(f, &[facet.polygon.corner(k)], Order::Gradients, table);
-        unit_normal(&table.jacobian[0], 1.0)
+        let ends = [Vector::<2>::new(0.0, 1.0), Vector::<2>::new(1.0, 1.0)].map(|uv| facet.origin + facet.axes * uv);
+        self.map.map(facet.element, &ends, Order::Gradients, table);
+        let towards = [0, 1].map(|q| (table.jacobian[q] * facet.axes).column(1).into_owned());
+        let product = towards[0].cross(&towards[1]);
+        product / product.norm().max(f64::MIN_POSITIVE)
     }
 
     /// Whether facet `f` is its whole element.
@@ -236,7 +252,7 @@ impl<'a> Facets<'a> {
 
     /// Facet `f` in four parts of equal area in its coordinates; `None` at a pole.
     pub fn quarters(&self, f: usize) -> Option<Facets<'a>> {
-        let facet = self.list[f];
+        let facet = &self.list[f];
         if facet.pole {
             return None;
         }
@@ -247,8 +263,7 @@ impl<'a> Facets<'a> {
             let turned = facet.polygon == Polygon::Triangle && k == 3;
             let axes = facet.axes * if turned { -0.5 } else { 0.5 };
             let origin = facet.origin + facet.axes * corner;
-            out.list.push(Facet { origin, axes, whole: false, size: 0.5 * facet.size, ..facet });
-            out.measure_last(&mut table);
+            out.add(Facet { origin, axes, whole: false, ..facet.clone() }, GRID[0], &mut table);
         }
         Some(out)
     }
@@ -261,6 +276,35 @@ impl<'a> Facets<'a> {
 }
 
 impl Facet {
+    /// A facet that is its whole element, to be measured.
+    fn of_element(element: usize, polygon: Polygon) -> Self {
+        Self {
+            element,
+            polygon,
+            pole: false,
+            origin: Vector::zeros(),
+            axes: Matrix::identity(),
+            whole: true,
+            affine: false,
+            form: None,
+            bend: 0.0,
+            x: Vector::zeros(),
+            jacobian: Matrix::zeros(),
+            back: Matrix::zeros(),
+            normal: Vector::zeros(),
+            cone: 0.0,
+            size: 0.0,
+        }
+    }
+
+    /// Position and Jacobian at a point, where the map is known by its coefficients.
+    fn known(&self, p: &Vector<2>) -> Option<(Vector<3>, Matrix<3, 2>)> {
+        match &self.form {
+            Some(form) => Some(form.at(p)),
+            None => self.affine.then(|| (self.x + self.jacobian * (p - self.polygon.center()), self.jacobian)),
+        }
+    }
+
     /// Whether coordinates of the element are in the facet, to rounding.
     pub fn holds(&self, xi: &Vector<2>) -> bool {
         let polygon = if self.pole { Polygon::Square } else { self.polygon };

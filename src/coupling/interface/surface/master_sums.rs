@@ -16,7 +16,7 @@
 use super::super::slave_pieces::join;
 use super::super::{InterfaceQuadrature, Partners, Segments};
 use super::cell_rule::WeightedPoints;
-use super::element::Sides;
+use super::element::{Scratch, Sides};
 use super::facets::polygon_of;
 use crate::basis::{Cell, Order};
 use crate::coupling::CouplingError;
@@ -63,7 +63,7 @@ impl InterfaceQuadrature<2, 3> for MasterSurfaceSums {
         }
         let points = self.points.max(1);
         let sides = Sides::new(slave, master, self.partners, points)?;
-        let parts = parallel::map(slave.num_elements(), |e| sides.element(e));
+        let parts = parallel::map_init(slave.num_elements(), Scratch::default, |scratch, e| sides.element(e, scratch));
         let merged = join(parts, master, false)?;
         let mut of_master: Vec<Vec<Pair>> = vec![Vec::new(); master.num_elements()];
         for piece in 0..merged.num_pieces() {

@@ -9,6 +9,7 @@
 //! four and tried again, and reported in the end: as an error of touching sides, in [`Coverage`](super::Coverage) otherwise.
 //! Cost: n log n.
 
+mod biquadratic;
 mod cell_rule;
 mod chart;
 mod clip;
@@ -16,6 +17,7 @@ mod covered;
 mod element;
 mod facets;
 mod master_sums;
+mod numbers;
 mod owner;
 mod parts;
 mod piece;
@@ -32,7 +34,7 @@ use super::{InterfaceQuadrature, Partners, Segments, Tolerance};
 use crate::coupling::CouplingError;
 use crate::geometry::Geometry;
 use crate::parallel;
-use element::Sides;
+use element::{Scratch, Sides};
 
 pub use master_sums::MasterSurfaceSums;
 pub use slave::SlaveSurface;
@@ -65,7 +67,8 @@ impl InterfaceQuadrature<2, 3> for MergedSurface {
             return Err(CouplingError::NothingFaces);
         }
         let sides = Sides::new(slave, master, self.partners, self.points.max(1))?;
-        let parts: Vec<SlavePieces<2, f64>> = parallel::map(slave.num_elements(), |e| sides.element(e));
+        let parts: Vec<SlavePieces<2, f64>> =
+            parallel::map_init(slave.num_elements(), Scratch::default, |scratch, e| sides.element(e, scratch));
         join(parts, master, matches!(self.partners, Partners::Touching(_)))
     }
 }

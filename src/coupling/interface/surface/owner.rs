@@ -7,6 +7,7 @@ use crate::basis::Order;
 use crate::coupling::CouplingError;
 use crate::geometry::{Bounds, ClosestPoint, Geometry, MapTable, Projection, foot_step, unit_normal};
 use crate::linalg::{Matrix, Vector, inverse};
+use crate::parallel;
 
 /// Newton steps of a foot; quadratic convergence needs about five.
 const FOOT_STEPS: usize = 30;
@@ -39,13 +40,18 @@ pub(super) struct Foot {
 impl<'a> MasterSurface<'a> {
     pub fn new(map: &'a dyn Geometry<2, 3>) -> Result<Self, CouplingError> {
         let facets = Facets::new(map)?;
-        let skeleton = Skeleton::new(&facets);
-        Ok(Self { facets, skeleton, closest: ClosestPoint::new(map) })
+        let (skeleton, closest) = parallel::both(|| Skeleton::new(&facets), || ClosestPoint::new(map));
+        Ok(Self { facets, skeleton, closest })
     }
 
     /// The closest point.
     pub fn project(&self, x: &Vector<3>) -> Option<Projection<2, 3>> {
         self.closest.project(x)
+    }
+
+    /// The closest point, without its `rim`.
+    pub fn nearest(&self, x: &Vector<3>) -> Option<Projection<2, 3>> {
+        self.closest.project_anywhere(x)
     }
 
     /// Facets of elements whose boxes meet `bounds`, in ascending order.
@@ -55,7 +61,7 @@ impl<'a> MasterSurface<'a> {
 
     /// Whether the closest point of `x` lies on facet `f` or on one that shares a vertex with it.
     pub fn owns(&self, f: usize, x: &Vector<3>) -> bool {
-        let Some(hit) = self.project(x) else { return false };
+        let Some(hit) = self.nearest(x) else { return false };
         let holding = self.facets.of(hit.element).filter(|&g| self.facets.list[g].holds(&hit.xi));
         let own = &self.skeleton.corners[f];
         holding.into_iter().any(|g| g == f || self.skeleton.corners[g].iter().any(|v| *v != usize::MAX && own.contains(v)))
@@ -104,12 +110,15 @@ impl<'a> MasterSurface<'a> {
         self.limited(f, facet.polygon.center() + facet.back * (x - facet.x))
     }
 
-    /// Feet of `x` on the continued facet `f`: Jᵀ(x - x_m(eta)) = 0 with eta within one cell of the facet, started about that of `center`.
-    pub fn feet(&self, f: usize, center: &Vector<3>, x: &[Vector<3>], table: &mut MapTable<2, 3>) -> Vec<Foot> {
+    /// Puts into `feet` those of `x` on the continued facet `f`: Jᵀ(x - x_m(eta)) = 0 with eta within one cell of the facet, started about
+    /// that of `center`.
+    pub fn feet(&self, f: usize, center: &Vector<3>, x: &[Vector<3>], feet: &mut Vec<Foot>, table: &mut MapTable<2, 3>) {
+        feet.clear();
         let facet = &self.facets.list[f];
         if facet.affine {
             let on = |eta: Vector<2>| Foot { eta, x: facet.x + facet.jacobian * (eta - facet.polygon.center()), found: true };
-            return x.iter().map(|x| on(self.started(f, x))).collect();
+            feet.extend(x.iter().map(|x| on(self.started(f, x))));
+            return;
         }
         let middle = self.newton(f, &[*center], &mut [self.started(f, center)], Order::Hessians, table)[0];
         self.facets.at(f, &[middle.eta], Order::Gradients, table);
@@ -118,7 +127,7 @@ impl<'a> MasterSurface<'a> {
         let mut eta: Vec<Vector<2>> = x.iter().map(|x| self.limited(f, middle.eta + back * (x - center))).collect();
         // what touches needs no second derivatives
         let order = if (middle.x - center).norm() <= TOUCHES * facet.size { Order::Gradients } else { Order::Hessians };
-        self.newton(f, x, &mut eta, order, table)
+        feet.extend(self.newton(f, x, &mut eta, order, table));
     }
 
     fn newton(&self, f: usize, x: &[Vector<3>], eta: &mut [Vector<2>], order: Order, table: &mut MapTable<2, 3>) -> Vec<Foot> {

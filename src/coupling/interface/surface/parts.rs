@@ -1,18 +1,18 @@
 //! Elements cut into parts of which the normals turn little.
 
-use super::facets::{angle, polygon_of};
+use super::facets::{Facets, angle};
 use super::polygon::Polygon;
 use crate::basis::Order;
-use crate::geometry::{Geometry, MapTable, unit_normal};
+use crate::geometry::{MapTable, unit_normal};
 use crate::linalg::{Matrix, Vector};
 
 /// Largest turn of the normals along a direction of a facet \[rad\].
 const TURN: f64 = std::f64::consts::FRAC_PI_3;
 
-/// Origins and axes of the parts into which an element is cut.
-pub(super) fn parts(map: &dyn Geometry<2, 3>, element: usize, table: &mut MapTable<2, 3>) -> Vec<(Vector<2>, Matrix<2, 2>)> {
+/// Origins and axes of the parts into which the element of facet `whole`, which is all of it, is cut.
+pub(super) fn parts(facets: &Facets<'_>, whole: usize, table: &mut MapTable<2, 3>) -> Vec<(Vector<2>, Matrix<2, 2>)> {
     const LINES: usize = 5;
-    let polygon = polygon_of(map.cell(element));
+    let polygon = facets.list[whole].polygon;
     // lines a little inside: normals vanish at poles
     let at = |i: usize, j: usize| {
         let t = |k: usize| 0.01 + 0.98 * k as f64 / (LINES - 1) as f64;
@@ -22,7 +22,7 @@ pub(super) fn parts(map: &dyn Geometry<2, 3>, element: usize, table: &mut MapTab
         }
     };
     let points: Vec<Vector<2>> = (0..LINES * LINES).map(|q| at(q % LINES, q / LINES)).collect();
-    map.map(element, &points, Order::Gradients, table);
+    facets.at(whole, &points, Order::Gradients, table);
     let normals: Vec<Vector<3>> = table.jacobian.iter().map(|j| unit_normal(j, 1.0)).collect();
     let turn = |line: &dyn Fn(usize) -> usize| (1..LINES).map(|k| angle(&normals[line(k - 1)], &normals[line(k)])).sum::<f64>();
     let count = |of: &dyn Fn(usize, usize) -> usize| {

@@ -17,21 +17,34 @@ pub(super) enum EdgePiece {
 
 /// Chebyshev-Lobatto points on [0, 1], (1 - cos(i pi / 8)) / 2.
 pub(super) fn nodes() -> [f64; NODES] {
-    std::array::from_fn(|i| if i + 1 == NODES { 1.0 } else { (0.5 * std::f64::consts::PI * i as f64 / (NODES - 1) as f64).sin().powi(2) })
+    static AT: LazyLock<[f64; NODES]> = LazyLock::new(|| {
+        std::array::from_fn(
+            |i| if i + 1 == NODES { 1.0 } else { (0.5 * std::f64::consts::PI * i as f64 / (NODES - 1) as f64).sin().powi(2) },
+        )
+    });
+    *AT
 }
+
+/// The product of the other factors t_i - t_j of every Lagrange polynomial of [`nodes`], inverted.
+static SPANS: LazyLock<[f64; NODES]> = LazyLock::new(|| {
+    let at = nodes();
+    std::array::from_fn(|i| (0..NODES).filter(|&j| j != i).map(|j| 1.0 / (at[i] - at[j])).product())
+});
 
 /// Values and derivatives at t of the Lagrange polynomials of [`nodes`].
 fn lagrange(t: f64) -> [[f64; NODES]; 2] {
-    let at = nodes();
+    let away = nodes().map(|node| t - node);
+    // products of the factors before and behind every one, with their derivatives
+    let (mut before, mut behind) = ([[1.0, 0.0]; NODES], [[1.0, 0.0]; NODES]);
+    let times = |[value, slope]: [f64; 2], factor: f64| [value * factor, slope * factor + value];
+    for i in 1..NODES {
+        before[i] = times(before[i - 1], away[i - 1]);
+        behind[NODES - 1 - i] = times(behind[NODES - i], away[NODES - i]);
+    }
     let mut out = [[0.0; NODES]; 2];
-    for i in 0..NODES {
-        let (mut value, mut slope) = (1.0, 0.0);
-        for j in (0..NODES).filter(|&j| j != i) {
-            let span = at[i] - at[j];
-            slope = slope * (t - at[j]) / span + value / span;
-            value *= (t - at[j]) / span;
-        }
-        (out[0][i], out[1][i]) = (value, slope);
+    for (i, span) in SPANS.iter().enumerate() {
+        let ([a, da], [b, db]) = (before[i], behind[i]);
+        (out[0][i], out[1][i]) = (a * b * span, (da * b + a * db) * span);
     }
     out
 }

@@ -117,6 +117,28 @@ impl Polygon {
         best.1
     }
 
+    /// The number of the point (i, j) / (n - 1) in [`grid`](Self::grid)`(n)`.
+    pub fn grid_index(self, n: usize, i: usize, j: usize) -> usize {
+        match self {
+            Self::Square => j * n + i,
+            // rows of n, n - 1, ... points
+            Self::Triangle => j * (2 * n + 1 - j) / 2 + i,
+        }
+    }
+
+    /// The number of point `i` of side `k` in [`grid`](Self::grid)`(n)`, counted from corner k.
+    pub fn side_index(self, n: usize, k: usize, i: usize) -> usize {
+        let back = n - 1 - i;
+        let (a, b) = match (self, k) {
+            (_, 0) => (i, 0),
+            (Self::Square, 1) => (n - 1, i),
+            (Self::Square, 2) => (back, n - 1),
+            (Self::Triangle, 1) => (back, i),
+            _ => (0, back),
+        };
+        self.grid_index(n, a, b)
+    }
+
     /// All points of a grid with `n` points along a side, ends included.
     pub fn grid(self, n: usize) -> Vec<Vector<2>> {
         let step = 1.0 / (n - 1) as f64;
@@ -139,6 +161,10 @@ mod tests {
                     assert!(polygon.distance(k, &polygon.on_side(k, t)).abs() < 1e-15);
                     let near = polygon.on_side(k, t) + (polygon.center() - polygon.on_side(k, t)) * 1e-15;
                     assert_eq!(polygon.distance(k, &polygon.snapped(&near, 1e-14)), 0.0);
+                }
+                for i in 0..5 {
+                    let on = polygon.on_side(k, i as f64 * 0.25);
+                    assert_eq!(polygon.grid(5)[polygon.side_index(5, k, i)], on);
                 }
             }
         }

@@ -7,23 +7,27 @@
 use super::chart::Chart;
 use super::clip::clip;
 use super::facets::Facets;
+use super::numbers::ByNumber;
 use super::owner::MasterSurface;
 use super::piece::{EdgePiece, area};
 use super::skeleton::Skeleton;
 use super::trace::trace;
 use crate::geometry::MapTable;
 use crate::linalg::Vector;
-use std::collections::HashMap;
 
 /// Regions below this share of the cell are dropped.
 const NOTHING: f64 = 1e-15;
 /// Facets whose normals are farther apart than this everywhere are no candidates \[rad\].
 const APART: f64 = 78.0 * std::f64::consts::PI / 180.0;
+/// A cosine of less than that angle: these need no angle.
+const APART_COSINE: f64 = 0.21;
 
 /// A region: the master facet, its boundary in the chart of the slave facet, and its area there.
 #[derive(Debug)]
 pub(super) struct Region {
     pub facet: usize,
+    /// +1 where the facet has the chart's orientation, -1 where it has the opposite one.
+    sign: f64,
     pub chain: Vec<EdgePiece>,
     pub area: f64,
     /// The pole of the master facet in the chart.
@@ -48,32 +52,34 @@ impl Regions {
 /// Whether normals of two facets come within 78 degrees of each other; `sign`: whether they have one orientation (1) or opposite ones (-1).
 pub(super) fn may_face(slave: &Facets<'_>, s: usize, master: &Facets<'_>, f: usize, sign: f64) -> bool {
     let (a, b) = (&slave.list[s], &master.list[f]);
-    let angle = a.normal.cross(&b.normal).norm().atan2(a.normal.dot(&b.normal) * sign);
-    angle - a.cone - b.cone <= APART
+    let along = a.normal.dot(&b.normal) * sign;
+    along >= APART_COSINE || a.normal.cross(&b.normal).norm().atan2(along) - a.cone - b.cone <= APART
 }
 
-/// Makes the regions of a chart; `sign` is +1 where the chart and a master facet have one orientation, -1 where they have opposite ones.
+/// Makes the regions of a chart from master facets, each with +1 where it has the chart's orientation, -1 where it has the opposite one.
 pub(super) fn regions(
     chart: &mut Chart<'_>,
     master: &MasterSurface<'_>,
-    candidates: &[usize],
-    sign: impl Fn(usize) -> f64,
+    candidates: &[(usize, f64)],
     table: &mut MapTable<2, 3>,
 ) -> Regions {
     let mut traced = Traced::new(&master.facets, &master.skeleton, chart, table);
     let mut out = Regions { list: Vec::new(), has_rim: false };
-    for &facet in candidates {
-        let chain = traced.chain(facet, sign(facet), sign(facet) * master.skeleton.sign[facet]);
+    for &(facet, sign) in candidates {
+        let up = sign * master.skeleton.sign[facet];
+        if traced.is_beyond(facet, up) {
+            continue;
+        }
+        let chain = traced.chain(facet, sign, up);
         let chain = clip(traced.chart.polygon, chain);
         let area = area(&chain);
         if area > NOTHING {
-            let pole = master.facets.list[facet]
-                .pole
-                .then(|| traced.vertex(master.skeleton.corners[facet][2], sign(facet) * master.skeleton.sign[facet]));
-            out.list.push(Region { facet, chain, area, pole });
+            let pole = master.facets.list[facet].pole.then(|| traced.vertex(master.skeleton.corners[facet][2], up));
+            out.list.push(Region { facet, sign, chain, area, pole });
         }
     }
-    out.has_rim = traced.rim_inside(&out.list);
+    // rims of others, which look away, end nothing
+    out.has_rim = out.list.iter().any(|region| traced.has_rim_inside(region.facet, region.sign * master.skeleton.sign[region.facet]));
     out
 }
 
@@ -82,33 +88,62 @@ pub(super) struct Traced<'t, 'a, 'c> {
     facets: &'t Facets<'a>,
     skeleton: &'t Skeleton,
     pub chart: &'t mut Chart<'c>,
-    edges: HashMap<usize, Vec<EdgePiece>>,
-    vertices: HashMap<usize, Vector<2>>,
+    edges: ByNumber<usize, Vec<EdgePiece>>,
+    vertices: ByNumber<usize, Vector<2>>,
     table: &'t mut MapTable<2, 3>,
 }
 
 impl<'t, 'a, 'c> Traced<'t, 'a, 'c> {
     pub fn new(facets: &'t Facets<'a>, skeleton: &'t Skeleton, chart: &'t mut Chart<'c>, table: &'t mut MapTable<2, 3>) -> Self {
-        Self { facets, skeleton, chart, edges: HashMap::new(), vertices: HashMap::new(), table }
+        Self { facets, skeleton, chart, edges: ByNumber::default(), vertices: ByNumber::default(), table }
     }
 
     /// The boundary of a master facet, counter-clockwise in its own coordinates for the sign 1; `up` times the normals of the skeleton point
     /// to the side of the chart's.
     fn chain(&mut self, facet: usize, sign: f64, up: f64) -> Vec<EdgePiece> {
         let sides = self.facets.list[facet].polygon.sides();
-        let walked = |k: usize| if sign < 0.0 { sides - 1 - k } else { k };
-        (0..sides).flat_map(|k| self.side(facet, walked(k), sign, up)).collect()
+        let mut chain = Vec::with_capacity(2 * sides);
+        for k in 0..sides {
+            self.side(facet, if sign < 0.0 { sides - 1 - k } else { k }, sign, up, &mut chain);
+        }
+        chain
     }
 
-    /// The pieces of a side of a facet, walked with the facet counter-clockwise in its own coordinates for the sign 1.
-    pub fn side(&mut self, facet: usize, k: usize, sign: f64, up: f64) -> Vec<EdgePiece> {
-        let Some(edge) = self.skeleton.sides[facet][k] else { return Vec::new() };
+    /// Appends the pieces of a side of a facet, walked with the facet counter-clockwise in its own coordinates for the sign 1.
+    pub fn side(&mut self, facet: usize, k: usize, sign: f64, up: f64, chain: &mut Vec<EdgePiece>) {
+        let Some(edge) = self.skeleton.sides[facet][k] else { return };
+        let forward = self.skeleton.is_forward(facet, k) == (sign > 0.0);
+        if self.is_line(edge) {
+            let ends = self.skeleton.edges[edge].vertices.map(|v| self.vertex(v, up));
+            let [a, b] = if forward { ends } else { [ends[1], ends[0]] };
+            chain.push(EdgePiece::Line(a, b));
+            return;
+        }
         self.trace(edge, up);
         let pieces = &self.edges[&edge];
-        match self.skeleton.is_forward(facet, k) == (sign > 0.0) {
-            true => pieces.clone(),
-            false => pieces.iter().rev().map(EdgePiece::reversed).collect(),
+        match forward {
+            true => chain.extend_from_slice(pieces),
+            false => chain.extend(pieces.iter().rev().map(EdgePiece::reversed)),
         }
+    }
+
+    /// Whether an edge is one line in the chart.
+    fn is_line(&self, edge: usize) -> bool {
+        self.chart.affine && self.skeleton.edges[edge].straight
+    }
+
+    /// Whether all of a facet with straight edges lies beyond one side of the cell.
+    fn is_beyond(&mut self, facet: usize, up: f64) -> bool {
+        let (polygon, sides) = (self.chart.polygon, self.facets.list[facet].polygon.sides());
+        if !self.skeleton.sides[facet][..sides].iter().flatten().all(|&edge| self.is_line(edge)) {
+            return false;
+        }
+        let mut beyond = [true; 4];
+        for &v in &self.skeleton.corners[facet][..sides] {
+            let at = self.vertex(v, up);
+            (0..polygon.sides()).for_each(|k| beyond[k] &= polygon.distance(k, &at) <= 0.0);
+        }
+        beyond[..polygon.sides()].contains(&true)
     }
 
     fn vertex(&mut self, v: usize, up: f64) -> Vector<2> {
@@ -124,29 +159,32 @@ impl<'t, 'a, 'c> Traced<'t, 'a, 'c> {
         let (facets, skeleton) = (self.facets, self.skeleton);
         let data = &skeleton.edges[edge];
         let ends = data.vertices.map(|v| self.vertex(v, up));
-        let pieces = if data.straight && self.chart.affine {
-            vec![EdgePiece::Line(ends[0], ends[1])]
-        } else {
-            let (chart, table) = (&mut *self.chart, &mut *self.table);
-            let (polygon, snap) = (chart.polygon, chart.snap);
-            trace(polygon, snap, ends, &mut |t| {
-                let (x, n) = skeleton.edge_point(facets, edge, t, table);
-                chart.pull(&x, &(n * up))
-            })
-        };
+        let (chart, table) = (&mut *self.chart, &mut *self.table);
+        let (polygon, snap) = (chart.polygon, chart.snap);
+        let pieces = trace(polygon, snap, ends, &mut |t| {
+            let (x, n) = skeleton.edge_point(facets, edge, t, table);
+            chart.pull(&x, &(n * up))
+        });
         self.edges.insert(edge, pieces);
     }
 
-    /// Whether a rim of a facet that has a region passes through the inside of the cell; of others, which look away, it ends nothing.
-    fn rim_inside(&self, regions: &[Region]) -> bool {
-        let polygon = self.chart.polygon;
+    /// Whether a rim of a facet passes through the inside of the cell.
+    fn has_rim_inside(&mut self, facet: usize, up: f64) -> bool {
+        let skeleton = self.skeleton;
+        let mut pieces = Vec::new();
+        for (k, edge) in skeleton.sides[facet].iter().enumerate() {
+            if edge.is_some_and(|edge| skeleton.edges[edge].is_rim()) {
+                self.side(facet, k, 1.0, up, &mut pieces);
+            }
+        }
+        let (polygon, snap) = (self.chart.polygon, self.chart.snap);
         // chords pass through the cell between their ends; what lies on a side is no inside
-        let within = |piece: &EdgePiece| match piece {
-            EdgePiece::Curve(_) => polygon.depth(&piece.at(0.5)[0]) > self.chart.snap,
+        pieces.iter().any(|piece| match piece {
+            EdgePiece::Curve(_) => polygon.depth(&piece.at(0.5)[0]) > snap,
             EdgePiece::Line(a, b) => {
                 let mut range = [0.0f64, 1.0];
                 for k in 0..polygon.sides() {
-                    let (da, db) = (polygon.distance(k, a) - self.chart.snap, polygon.distance(k, b) - self.chart.snap);
+                    let (da, db) = (polygon.distance(k, a) - snap, polygon.distance(k, b) - snap);
                     if da <= 0.0 && db <= 0.0 {
                         return false;
                     }
@@ -159,11 +197,6 @@ impl<'t, 'a, 'c> Traced<'t, 'a, 'c> {
                 }
                 range[1] > range[0]
             }
-        };
-        let ends = |e: usize| match self.skeleton.edges[e].at[..] {
-            [(facet, _)] => regions.iter().any(|r| r.facet == facet),
-            _ => false,
-        };
-        self.edges.iter().any(|(&e, pieces)| ends(e) && pieces.iter().any(within))
+        })
     }
 }

@@ -11,14 +11,16 @@
 //! only facet. The normals of one connected part of a surface point to one side of it; their signs are found by walking shared edges.
 
 use super::facets::Facets;
+use super::numbers::ByNumber;
 use crate::basis::Order;
-use crate::geometry::{Bounds, MapTable, Tree, unit_normal};
+use crate::geometry::{MapTable, unit_normal};
 use crate::linalg::Vector;
 use crate::parallel;
-use std::collections::HashMap;
 
 /// Corners closer than this share of the shorter facet are one vertex.
 const SAME_VERTEX: f64 = 1e-7;
+/// A direction that meshes are not aligned with, a little shorter than 1: its components have no simple ratios.
+const ALONG: [f64; 3] = [0.618_034, 0.414_214, 0.667_9];
 /// Middles of sides between the same vertices closer than this share of the facet belong to one edge.
 const SAME_EDGE: f64 = 0.1;
 /// Normals are one to this difference.
@@ -30,7 +32,8 @@ const STRAIGHT: f64 = 1e-14;
 #[derive(Clone, Debug)]
 pub(super) struct FacetEdge {
     /// (facet, side) of the first facet and, unless the edge is a rim, of the second.
-    pub at: Vec<(usize, usize)>,
+    sides: [(usize, usize); 2],
+    count: usize,
     pub vertices: [usize; 2],
     /// Whether its points lie on one line and its normals are one.
     pub straight: bool,
@@ -38,6 +41,18 @@ pub(super) struct FacetEdge {
     pub smooth: bool,
     /// m(0) and m(1).
     means: [Vector<3>; 2],
+}
+
+impl FacetEdge {
+    /// (facet, side) of the one or two facets that have the edge.
+    pub fn at(&self) -> &[(usize, usize)] {
+        &self.sides[..self.count]
+    }
+
+    /// Whether only one facet has the edge.
+    pub fn is_rim(&self) -> bool {
+        self.count == 1
+    }
 }
 
 /// A vertex: its place and the mean normal of the facets there.
@@ -78,9 +93,9 @@ impl Skeleton {
         };
         skeleton.walk(facets.list.len());
         let at_corner = |table: &mut MapTable<2, 3>, f: usize, k: usize| {
-            let normal = facets.normal_at_corner(f, k, table);
-            facets.at(f, &[facets.list[f].polygon.corner(k)], Order::Values, table);
-            Vertex { x: table.x[0], normal }
+            let (x, jacobian) = facets.one(f, &facets.list[f].polygon.corner(k), table);
+            let is_pole = facets.list[f].pole && k == 2;
+            Vertex { x, normal: if is_pole { facets.normal_at_pole(f, table) } else { unit_normal(&jacobian, 1.0) } }
         };
         let of_facet = |table: &mut MapTable<2, 3>, f: usize| {
             let mut own = [Vertex { x: Vector::zeros(), normal: Vector::zeros() }; 4];
@@ -118,7 +133,7 @@ impl Skeleton {
             while let Some(f) = open.pop() {
                 for (k, edge) in self.sides[f].iter().enumerate() {
                     let Some(edge) = edge else { continue };
-                    let other = self.edges[*edge].at.iter().find(|at| **at != (f, k));
+                    let other = self.edges[*edge].at().iter().find(|at| **at != (f, k));
                     let Some(&(g, j)) = other else { continue };
                     if self.part[g] == usize::MAX {
                         // neighbours of one orientation walk their common edge in opposite directions
@@ -144,42 +159,43 @@ impl Skeleton {
         facets.list[f].polygon.on_side(k, if self.is_forward(f, k) { t } else { 1.0 - t })
     }
 
-    /// The signed unit normal of a facet on its side at t of the edge.
-    fn facet_normal(&self, facets: &Facets<'_>, at: (usize, usize), t: f64, table: &mut MapTable<2, 3>) -> Vector<3> {
+    /// The position and the signed unit normal of a facet on its side at t of the edge.
+    fn on_facet(&self, facets: &Facets<'_>, at: (usize, usize), t: f64, table: &mut MapTable<2, 3>) -> (Vector<3>, Vector<3>) {
         let facet = &facets.list[at.0];
         let local = self.local(facets, at, t);
-        let normal = if facet.pole && local == Vector::<2>::new(0.0, 1.0) {
-            facets.normal_at_corner(at.0, 2, table)
-        } else {
-            facets.at(at.0, &[local], Order::Gradients, table);
-            unit_normal(&table.jacobian[0], 1.0)
-        };
-        normal * self.sign[at.0]
-    }
-
-    /// m(t).
-    fn mean(&self, facets: &Facets<'_>, edge: usize, t: f64, table: &mut MapTable<2, 3>) -> Vector<3> {
-        let sum = self.edges[edge].at.iter().fold(Vector::zeros(), |s: Vector<3>, &at| s + self.facet_normal(facets, at, t, table));
-        let length = sum.norm();
-        sum / if length > 1e-6 { length } else { 1.0 }
+        let (x, jacobian) = facets.one(at.0, &local, table);
+        let is_pole = facet.pole && local == Vector::<2>::new(0.0, 1.0);
+        let normal = if is_pole { facets.normal_at_pole(at.0, table) } else { unit_normal(&jacobian, 1.0) };
+        (x, normal * self.sign[at.0])
     }
 
     /// Whether an edge is straight, whether it is smooth, and its mean normals at the ends.
     fn kind(&self, facets: &Facets<'_>, e: usize, table: &mut MapTable<2, 3>) -> (bool, bool, [Vector<3>; 2]) {
-        let means = [0.0, 1.0].map(|t| self.mean(facets, e, t, table));
-        let ends = self.edges[e].vertices.map(|v| self.vertices[v]);
-        let (mut apart, mut bent) = (0.0f64, 0.0f64);
+        let edge = &self.edges[e];
+        let ends = edge.vertices.map(|v| self.vertices[v]);
+        let (mut apart, mut bent, mut means) = (0.0f64, 0.0f64, [Vector::zeros(); 2]);
         let chord = ends[1].x - ends[0].x;
         // normals of affine facets are constant and their sides straight
-        let parts = if self.edges[e].at.iter().all(|at| facets.list[at.0].affine) { 1 } else { 8 };
+        let parts = if edge.at().iter().all(|at| facets.list[at.0].affine) { 1 } else { 8 };
         for i in 0..=parts {
             let t = f64::from(i) / f64::from(parts);
-            let mean = self.mean(facets, e, t, table);
-            for &at in &self.edges[e].at {
-                apart = apart.max((self.facet_normal(facets, at, t, table) - mean).norm());
+            let mut own = [Vector::zeros(); 2];
+            let mut x = Vector::zeros();
+            for (normal, &at) in own.iter_mut().zip(edge.at()) {
+                (x, *normal) = self.on_facet(facets, at, t, table);
             }
-            // the table has the last facet's point
-            let off = table.x[0] - ends[0].x;
+            // m(t)
+            let sum = own[0] + own[1];
+            let length = sum.norm();
+            let mean = sum / if length > 1e-6 { length } else { 1.0 };
+            if i == 0 {
+                means[0] = mean;
+            }
+            means[1] = mean;
+            for normal in &own[..edge.at().len()] {
+                apart = apart.max((normal - mean).norm());
+            }
+            let off = x - ends[0].x;
             bent = bent.max(off.cross(&chord).norm() / chord.norm_squared()).max((mean - means[0]).norm());
         }
         for (mean, end) in means.iter().zip(&ends) {
@@ -197,14 +213,13 @@ impl Skeleton {
                 return (self.vertices[v].x, self.vertices[v].normal);
             }
         }
-        let own = self.facet_normal(facets, edge.at[0], t, table);
-        let x = table.x[0];
+        let (x, own) = self.on_facet(facets, edge.sides[0], t, table);
         if edge.smooth {
             return (x, own);
         }
         let mut mean = own;
-        if let Some(&at) = edge.at.get(1) {
-            mean += self.facet_normal(facets, at, t, table);
+        if let Some(&at) = edge.at().get(1) {
+            mean += self.on_facet(facets, at, t, table).1;
             mean /= mean.norm().max(1e-6);
         }
         let ends = edge.vertices.map(|v| self.vertices[v].normal);
@@ -217,18 +232,16 @@ impl Skeleton {
 fn merged_corners(facets: &Facets<'_>, table: &mut MapTable<2, 3>) -> Vec<[usize; 4]> {
     let (mut places, mut size_at) = (Vec::new(), Vec::new());
     for (f, facet) in facets.list.iter().enumerate() {
-        let points: Vec<Vector<2>> = (0..facet.polygon.sides()).map(|k| facet.polygon.corner(k)).collect();
-        facets.at(f, &points, Order::Values, table);
+        let points: [Vector<2>; 4] = std::array::from_fn(|k| facet.polygon.corner(k));
+        facets.at(f, &points[..facet.polygon.sides()], Order::Values, table);
         places.extend_from_slice(&table.x);
-        size_at.extend(points.iter().map(|_| facet.size * SAME_VERTEX));
+        size_at.extend(table.x.iter().map(|_| facet.size * SAME_VERTEX));
     }
-    let tree = Tree::new(places.iter().map(|x| Bounds { lo: *x, hi: *x }).collect());
     let floor = |a: usize| places[a].amax() * 1e-14;
-    let near = parallel::map(places.len(), |a| {
-        let mut near = tree.meeting(&tree.item(a).inflated(size_at[a] + floor(a)));
-        near.retain(|&b| b > a && (places[a] - places[b]).norm() <= size_at[a].min(size_at[b]) + floor(a));
-        near
-    });
+    // places that are near are near along any direction: one that meshes are not aligned with
+    let along = Vector::<3>::from(ALONG);
+    let mut order: Vec<(f64, usize)> = places.iter().map(|x| along.dot(x)).zip(0..).collect();
+    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut root: Vec<usize> = (0..places.len()).collect();
     fn find(root: &mut [usize], mut k: usize) -> usize {
         while root[k] != k {
@@ -237,10 +250,13 @@ fn merged_corners(facets: &Facets<'_>, table: &mut MapTable<2, 3>) -> Vec<[usize
         }
         k
     }
-    for (a, near) in near.into_iter().enumerate() {
-        for b in near {
-            let (ra, rb) = (find(&mut root, a), find(&mut root, b));
-            root[ra.max(rb)] = ra.min(rb);
+    for (i, &(s, a)) in order.iter().enumerate() {
+        let reach = 2.0 * (size_at[a] + 4.0 * floor(a));
+        for &(_, b) in order[i + 1..].iter().take_while(|next| next.0 - s <= reach) {
+            if (places[a] - places[b]).norm() <= size_at[a].min(size_at[b]) + floor(a.min(b)) {
+                let (ra, rb) = (find(&mut root, a), find(&mut root, b));
+                root[ra.max(rb)] = ra.min(rb);
+            }
         }
     }
     let (mut number, mut count, mut at) = (vec![usize::MAX; places.len()], 0, 0);
@@ -264,29 +280,42 @@ fn merged_corners(facets: &Facets<'_>, table: &mut MapTable<2, 3>) -> Vec<[usize
 fn joined_sides(facets: &Facets<'_>, corners: &[[usize; 4]], table: &mut MapTable<2, 3>) -> (Vec<FacetEdge>, Vec<[Option<usize>; 4]>) {
     let mut edges: Vec<FacetEdge> = Vec::new();
     let mut middles: Vec<Vector<3>> = Vec::new();
-    let mut between: HashMap<[usize; 2], Vec<usize>> = HashMap::new();
+    // the last edge between two vertices, and the one before every edge
+    let mut between: ByNumber<(usize, usize), usize> = ByNumber::default();
+    let mut before: Vec<Option<usize>> = Vec::new();
     let mut sides = Vec::with_capacity(facets.list.len());
     for (f, facet) in facets.list.iter().enumerate() {
         let n = facet.polygon.sides();
-        let points: Vec<Vector<2>> = (0..n).map(|k| facet.polygon.on_side(k, 0.5)).collect();
-        facets.at(f, &points, Order::Values, table);
+        let points: [Vector<2>; 4] = std::array::from_fn(|k| facet.polygon.on_side(k % n, 0.5));
+        facets.at(f, &points[..n], Order::Values, table);
         let mut own = [None; 4];
         for (k, edge) in own.iter_mut().enumerate().take(n) {
             let (a, b) = (corners[f][k], corners[f][(k + 1) % n]);
             if a == b {
                 continue;
             }
-            let key = [a.min(b), a.max(b)];
-            let known = between.entry(key).or_default();
-            let near = |e: &&usize| edges[**e].at.len() == 1 && (middles[**e] - table.x[k]).norm() <= SAME_EDGE * facet.size;
-            let found = known.iter().find(near).copied();
+            let key = (a.min(b), a.max(b));
+            let is_near = |e: &usize| edges[*e].is_rim() && (middles[*e] - table.x[k]).norm() <= SAME_EDGE * facet.size;
+            let last = between.get(&key).copied();
+            // the first that is near, as they were found
+            let found = std::iter::successors(last, |&e| before[e]).filter(is_near).last();
             let e = found.unwrap_or_else(|| {
-                known.push(edges.len());
+                before.push(last);
+                between.insert(key, edges.len());
                 middles.push(table.x[k]);
-                edges.push(FacetEdge { at: Vec::new(), vertices: key, straight: false, smooth: false, means: [Vector::zeros(); 2] });
+                edges.push(FacetEdge {
+                    sides: [(f, k); 2],
+                    count: 0,
+                    vertices: [key.0, key.1],
+                    straight: false,
+                    smooth: false,
+                    means: [Vector::zeros(); 2],
+                });
                 edges.len() - 1
             });
-            edges[e].at.push((f, k));
+            let joined = &mut edges[e];
+            joined.sides[joined.count] = (f, k);
+            joined.count += 1;
             *edge = Some(e);
         }
         sides.push(own);

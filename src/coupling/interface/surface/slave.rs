@@ -7,7 +7,7 @@
 
 use super::super::slave_pieces::{Point, SlavePieces, join};
 use super::super::{InterfaceQuadrature, Partners, Segments, Tolerance};
-use super::element::Sides;
+use super::element::{Scratch, Sides};
 use super::polygon::Polygon;
 use crate::basis::{Cell, Order};
 use crate::coupling::CouplingError;
@@ -49,7 +49,8 @@ impl InterfaceQuadrature<2, 3> for SlaveSurface {
         let points = self.points.max(1);
         let sides = Sides::new(slave, master, self.partners, points)?;
         let own = OwnPoints { sides: &sides, rules: [TensorRule::<2>::gauss([points; 2]).rule(0).clone(), simplex_rule(2 * points - 1)] };
-        let parts: Vec<SlavePieces<2, f64>> = parallel::map(slave.num_elements(), |e| own.element(e));
+        let parts: Vec<SlavePieces<2, f64>> =
+            parallel::map_init(slave.num_elements(), Scratch::default, |scratch, e| own.element(e, scratch));
         join(parts, master, matches!(self.partners, Partners::Touching(_)))
     }
 }
@@ -61,9 +62,9 @@ struct OwnPoints<'s, 'a> {
 }
 
 impl OwnPoints<'_, '_> {
-    fn element(&self, element: usize) -> SlavePieces<2, f64> {
-        if self.sides.may_end(element) {
-            let merged = self.sides.element(element);
+    fn element(&self, element: usize, scratch: &mut Scratch) -> SlavePieces<2, f64> {
+        if self.sides.may_end(element, scratch) {
+            let merged = self.sides.element(element, scratch);
             if !merged.whole {
                 return self.on_part(&merged).unwrap_or(merged);
             }
@@ -157,12 +158,12 @@ impl Sides<'_> {
     }
 
     /// Whether a rim of the master may cross a slave element: one of its candidates has a rim.
-    fn may_end(&self, element: usize) -> bool {
+    fn may_end(&self, element: usize, scratch: &mut Scratch) -> bool {
         let skeleton = &self.master.skeleton;
         let ends = |f: &usize| {
             let polygon: Polygon = self.master.facets.list[*f].polygon;
-            skeleton.sides[*f][..polygon.sides()].iter().flatten().any(|e| skeleton.edges[*e].at.len() == 1)
+            skeleton.sides[*f][..polygon.sides()].iter().flatten().any(|e| skeleton.edges[*e].is_rim())
         };
-        self.near(element).iter().any(ends)
+        self.near(element, &mut scratch.table).iter().any(ends)
     }
 }
