@@ -112,8 +112,9 @@ fn closed<const S: usize, const N: usize>(
     found
 }
 
-/// ∫ |d| ds over points; points that slide beyond the edge of the master are left out.
+/// ∫ |d| ds over points; points that slide beyond the edge of the master are left out, and so is what the contact closes as a matter of facets.
 fn second_order<const S: usize, const N: usize>(part: &ContactPart<S, N>, state: &StepState<S, N>, points: &[Closed<N>]) -> f64 {
+    let size = |d: f64| if d.abs() <= part.closes { 0.0 } else { d.abs() };
     match &part.against {
         Opposing::Side(master, _) => {
             let surface = ClosestPoint::new(master.trace.oriented());
@@ -126,14 +127,14 @@ fn second_order<const S: usize, const N: usize>(part: &ContactPart<S, N>, state:
             // the gap along a normal of the slave is not that of the closest point: only the change by the shift counts
             points
                 .iter()
-                .filter_map(|p| Some(p.ds * (gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal)).abs()))
+                .filter_map(|p| Some(p.ds * size(gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal))))
                 .sum()
         }
         Opposing::Rigid(obstacle, _) => {
             let target = obstacle.target(state.t, Some(&state.u));
             let gap = |x: &Vector<N>, normal: &Vector<N>| opposed(&*target, x, &-normal).map(|hit| hit.gap);
             let moved =
-                |p: &Closed<N>| Some(p.ds * (gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal)).abs());
+                |p: &Closed<N>| Some(p.ds * size(gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal)));
             // level sets given by the case may have no value there
             points.iter().filter_map(moved).filter(|d| d.is_finite()).sum()
         }

@@ -174,3 +174,24 @@ fn a_border_within_a_facet_is_told_whatever_length_is_kept() {
         }
     }
 }
+
+/// Facets of two shells that touch are closed, and what points see of them while they slide is no sliding of the shells.
+#[test]
+fn facets_that_are_closed_are_no_sliding() {
+    for cells in ["tensor", "simplex"] {
+        let shell = |name: &str, radius: [f64; 2], n: usize| {
+            format!(
+                "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"sphere-octant\", radius = {radius:?} }}\nelements = [{n}, {n}, 2]\n\
+                 [[boundary]]\non = \"{name}.v0\"\nfix = [\"z\"]\n[[boundary]]\non = \"{name}.u0\"\nfix = [\"y\"]\n[[boundary]]\non = \"{name}.u1\"\nfix = [\"x\"]\n"
+            )
+        };
+        let text = format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 3\n[discretization]\nbackend = \"fe\"\ndegree = 1\ncells = \"{cells}\"\n[[material]]\nname = \"m\"\nyoung = 100\npoisson = 0.3\n"
+        ) + &shell("inner", [0.5, 1.0], 6)
+            + &shell("outer", [1.0, 2.0], 3)
+            + "[[boundary]]\non = \"outer.w1\"\npressure = 1e-3\n[[contact]]\nname = \"fit\"\nslave = \"inner.w1\"\nmaster = \"outer.w0\"\nadjust = true\n";
+        let result = solve(&text).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(result.status, Status::Ok, "{:?}", result.diagnostics);
+        assert!(result.warnings.is_empty(), "{cells}: {:?}", result.warnings);
+    }
+}
