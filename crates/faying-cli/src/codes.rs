@@ -321,12 +321,13 @@ pub const CODES: &[Code] = &[
          (interface.NAME.consistency, contact.NAME.consistency). Slave points do not see the kinks of the master's functions; mixed integration does \
          not see those of a multiplier of low degree. Of a patch: on coarse cells of a rational map the Gauss points miss more than 1e-3 of the stress of \
          linear fields; the message says how many extra_points do not. Of a contact: it slides so far along a curved surface that the gap along the \
-         normal at rest is wrong by more than a tenth of what is closed; small kinematics do not see the curve. Or fewer than four functions (in space sixteen) carry a zone that \
+         normal at rest is wrong by more than a tenth of what is closed; small kinematics do not see the curve. Or fewer than four functions (in space sixteen, in half models three to five by the degree, from an axis of revolution on four to eleven) carry a zone that \
          ends inside of its side, or the pieces between surfaces are known to lose a part of elements that face each other. Of an interface: its sides are apart, and the forces on both lose a moment about the gap. Or they come apart between the functions of a multiplier that is too coarse by more than 2 % of the displacement. Of a penalty: bodies sink by more than a hundredth of their size or a tenth of their displacement. \
          Of Nitsche's method in contact: pressures at points are off the stress of the bodies by more than 0.15 of the largest, by the factor times a small gap. \
-         Of a patch: more than a hundredth of it has strains or rotations beyond 0.1, which small kinematics do not allow.",
+         Of a patch: more than a hundredth of it has strains or rotations beyond 0.1, which small kinematics do not allow. \
+         Of a run: its condition number times the rounding of numbers is not small.",
         "integration = \"mixed\"\nmultiplier = \"p/p-2\"",
-        "use integration = \"merged\" (the default), or raise extra_points.",
+        "do what the help of the message says: integration = \"merged\" (the default), extra_points, smaller elements, a stiffer factor.",
     ),
     code(
         "E071",

@@ -28,10 +28,15 @@ fn beyond<const S: usize, const N: usize>(model: &Model<S, N>, part: &ContactPar
         return None;
     }
     let sags: Vec<_> = part.masters.iter().map(|master| sag(&model.patches, master)).collect();
+    let own = sag(&model.patches, &part.slave);
+    // sides without facets are where they are drawn
+    if sags.iter().chain([&own]).all(|sag| sag.greatest() <= 0.0) {
+        return None;
+    }
     let masters: Vec<_> = part.masters.iter().zip(&sags).map(|(master, sag)| (&master.trace, sag)).collect();
     let sides: Vec<_> = part.masters.iter().chain([&part.slave]).cloned().collect();
     let zero = floor(&sides);
-    let found = clearance((&part.slave.trace, &sag(&model.patches, &part.slave)), &masters, REACH, zero);
+    let found = clearance((&part.slave.trace, &own), &masters, REACH, zero);
     let (mean, explained) = (found.mean(), found.allowed().max(zero));
     (mean > explained).then_some((mean.min(part.closes), explained))
 }

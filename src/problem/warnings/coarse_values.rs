@@ -15,6 +15,8 @@ use crate::quadrature::Quadrature;
 
 /// Largest error that is not told.
 const COARSE: f64 = 0.3;
+/// Values below this share of the size of the model, in the mean, are rounding of their formulas.
+const ROUNDING: f64 = 1e-12;
 /// Gauss points per direction beyond those of the side, to see what its own points do not.
 const EXTRA: usize = 8;
 
@@ -51,7 +53,7 @@ pub(super) fn coarse_values<const S: usize, const N: usize>(model: &Model<S, N>,
     found.map(warning).collect()
 }
 
-/// |g - g_h| / |g| of a condition at time `t`, by the prescribed unknowns `values`; zero where some of its functions are not among them.
+/// |g - g_h| / |g| of a condition at time `t`, by the prescribed unknowns `values`; zero of values that are rounding, and where some of its functions are not among them.
 fn error<const S: usize, const N: usize>(
     model: &Model<S, N>,
     condition: &Condition<S, N>,
@@ -65,7 +67,7 @@ fn error<const S: usize, const N: usize>(
     let Some(coefficients) = trace.dofs.iter().map(|&function| at(function)).collect::<Option<Vec<f64>>>() else { return 0.0 };
     let (space, rules) = (&*trace.space, gauss_rules(&*trace.space, EXTRA));
     let (mut map, mut shapes, mut ids) = (MapTable::new(), ShapeTable::new(), Vec::new());
-    let (mut off, mut size) = (0.0, 0.0);
+    let (mut off, mut size, mut area) = (0.0, 0.0, 0.0);
     for e in 0..space.num_elements() {
         let rule = rules.rule(e);
         space.map(e, &rule.points, Order::Gradients, &mut map);
@@ -77,8 +79,9 @@ fn error<const S: usize, const N: usize>(
             let ds = w * measure(&map.jacobian[q]);
             off += ds * (wanted - held).powi(2);
             size += ds * wanted.powi(2);
+            area += ds;
         }
     }
-    let share = (off / size).sqrt();
-    if share.is_finite() { share } else { 0.0 }
+    let (share, mean) = ((off / size).sqrt(), (size / area).sqrt());
+    if share.is_finite() && mean > ROUNDING * (model.size + model.center.norm()) { share } else { 0.0 }
 }

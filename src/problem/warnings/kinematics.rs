@@ -10,6 +10,8 @@ use crate::problem::state::StepState;
 
 /// Largest strain, and largest rotation in radians, of small kinematics.
 const SMALL: f64 = 0.1;
+/// Rounding of strains and rotations, relative.
+const ROUNDING: f64 = 1e-9;
 /// Share of a body's volume that may be beyond it.
 const LOCAL: f64 = 1e-2;
 
@@ -19,7 +21,7 @@ pub(super) fn kinematics<const S: usize, const N: usize>(model: &Model<S, N>, st
         return Vec::new();
     }
     let of = |k: usize| {
-        let found = model.patches[k].deformation(&state.u, SMALL);
+        let found = model.patches[k].deformation(&state.u, SMALL * (1.0 + ROUNDING));
         let [strain, rotation] = [found.strain, found.rotation].map(|b: Beyond| (b.share > LOCAL).then_some(b));
         let is_large = strain.is_some() || rotation.is_some();
         is_large.then(|| Warning::Kinematics { of: Subject::body(model, k), strain, rotation, allowed: SMALL })

@@ -313,6 +313,9 @@ fn prescribed_values_that_the_mesh_does_not_have_are_told() {
             (10, "sin(10*x)", 0),
             (10, "if(x < 0.37, 1, 2)", 0),
             (200, "sin(400*x)", 0),
+            // zero but for the rounding of the formula
+            (10, "(x + 0.1) - x - 0.1", 0),
+            (10, "1e-3*(sqrt(x^2 + 1) - sqrt(1 + x^2)) + 1e-16*sin(400*x)", 0),
         ] {
             assert_eq!(missed(&plate(2, n, backend, &format!("\"{value}\""))), wanted, "{backend} {n} {value}");
         }

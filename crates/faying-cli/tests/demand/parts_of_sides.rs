@@ -77,13 +77,15 @@ fn parts_with_common_facets_and_parts_without_any_are_errors() {
 /// Rings of radii 0.5, 1 and 2 of one material whose surfaces touch, a quarter of each in straight facets of different number, under the
 /// pressure 1e-4 outside: as one ring, q = 1e-4 (1 - a²/r²) b² / (b² - a²) at r = 1.
 fn rings(adjust: &str) -> RunResult {
-    fit(1.0, adjust)
+    fit(STRAIGHT, 1.0, adjust)
 }
 
-/// The same with a radius of the bore of the outer ring.
-fn fit(bore: f64, adjust: &str) -> RunResult {
+const STRAIGHT: &str = "backend = \"fe\"\ndegree = 1";
+
+/// The same with another discretisation, and a radius of the bore of the outer ring.
+fn fit(kind: &str, bore: f64, adjust: &str) -> RunResult {
     let text = format!(
-        "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"fe\"\ndegree = 1\n\
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\n{kind}\n\
          [[material]]\nname = \"m\"\nyoung = 100\npoisson = 0.3\n\
          [[patch]]\nname = \"inner\"\ngeometry = {{ kind = \"annulus-sector\", center = [0, 0], radius = [0.5, 1], angle_deg = [0, 90] }}\n\
          elements = [32, 12]\n\
@@ -133,10 +135,15 @@ fn gaps_that_facets_leave_between_surfaces_that_touch_are_closed() {
 #[test]
 fn fits_that_are_drawn_and_closed_are_told() {
     for bore in [0.998, 1.002, 0.9992] {
-        let found = fit(bore, "adjust = true\n");
+        let found = fit(STRAIGHT, bore, "adjust = true\n");
         let told = found.warnings.iter().find(|w| w.code == "E023" && w.message.contains("`adjust` of contact \"fit\" closes"));
         let told = told.unwrap_or_else(|| panic!("{bore}: {:?}", found.warnings));
         assert!(told.help.as_ref().is_some_and(|h| h.contains("`gap`")), "{told:?}");
+    }
+    // exact sides are where they are drawn: nothing is closed, and the fit presses
+    for bore in [0.998, 0.9999] {
+        let found = fit("backend = \"fe\"\nmapping = \"exact\"\ndegree = 2", bore, "adjust = true\n");
+        assert!(found.warnings.is_empty() && found.contact["fit"].pressure.min > 0.0, "{bore}: {:?}", found.warnings);
     }
 }
 
