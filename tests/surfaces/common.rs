@@ -346,6 +346,8 @@ pub struct Measured {
     pub distance: f64,
     pub outside: f64,
     pub pieces: usize,
+    /// Elements of which a part that faces the master is lost.
+    pub lost: usize,
 }
 
 /// Rules that integrate a side's own functions to rounding.
@@ -420,6 +422,7 @@ pub fn measured(
         distance: report.distance,
         outside: report.outside,
         pieces: report.pieces,
+        lost: report.lost.len(),
     })
 }
 
