@@ -6,7 +6,7 @@ use crate::assembly::planar_normal;
 use crate::basis::Order;
 use crate::geometry::{MapTable, cell};
 use crate::linalg::Vector;
-use crate::space::Trace;
+use crate::space::{Trace, Union};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -41,8 +41,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 fn smooth_pieces<const S: usize, const N: usize>(trace: &Trace<S, N>) -> Vec<Vec<usize>> {
     let space = &*trace.space;
     let (mut ids, mut map) = (Vec::new(), MapTable::new());
-    // an element before each one in its piece, itself for the first; the last element at a corner or an edge, with the normal there
-    let mut first: Vec<usize> = (0..space.num_elements()).collect();
+    let mut trees = Union::new(space.num_elements());
+    // the last element at a corner or an edge, with the normal there
     let mut joints: HashMap<Vec<usize>, (usize, Vector<N>)> = HashMap::new();
     let mut has_kinks = false;
     for e in 0..space.num_elements() {
@@ -59,30 +59,20 @@ fn smooth_pieces<const S: usize, const N: usize>(trace: &Trace<S, N>) -> Vec<Vec
                 has_kinks = true;
                 continue;
             }
-            let [a, b] = [root(&mut first, e), root(&mut first, other)];
-            first[a.max(b)] = a.min(b);
+            trees.unite(e, other);
         }
     }
     if !has_kinks {
-        return vec![(0..first.len()).collect()];
+        return vec![(0..space.num_elements()).collect()];
     }
     let mut pieces: Vec<Vec<usize>> = Vec::new();
     let mut number = HashMap::new();
-    for e in 0..first.len() {
-        let k = *number.entry(root(&mut first, e)).or_insert_with(|| {
+    for e in 0..space.num_elements() {
+        let k = *number.entry(trees.root(e)).or_insert_with(|| {
             pieces.push(Vec::new());
             pieces.len() - 1
         });
         pieces[k].push(e);
     }
     pieces
-}
-
-/// The first element of the piece of `element`.
-fn root(first: &mut [usize], mut element: usize) -> usize {
-    while first[element] != element {
-        first[element] = first[first[element]];
-        element = first[element];
-    }
-    element
 }

@@ -1,6 +1,6 @@
 //! Connected parts: elements that share functions, and points of a mesh that coincide without being shared.
 
-use super::{MeshCells, corner_places, nodes_per_cell};
+use super::{MeshCells, Union, corner_places, nodes_per_cell};
 use crate::basis::Basis;
 use crate::geometry::Bounds;
 use crate::linalg::Vector;
@@ -25,7 +25,7 @@ impl Connected {
         if basis.structure().patches().is_some_and(|p| p.len() == 1) {
             return one;
         }
-        let (mut trees, mut ids) = (Trees::new(basis.num_functions()), Vec::new());
+        let (mut trees, mut ids) = (Union::new(basis.num_functions()), Vec::new());
         let mut first = Vec::with_capacity(basis.num_elements());
         for e in 0..basis.num_elements() {
             basis.active(e, &mut ids);
@@ -82,7 +82,7 @@ pub struct Unshared<const N: usize> {
 ///
 /// Points coincide if they are nearer than 1e-6 of the smallest cell at both. By boxes of equal size: n in the number of points.
 pub fn unshared_points<const N: usize>(cells: &MeshCells<N>) -> Option<Unshared<N>> {
-    let mut trees = Trees::new(cells.points.len());
+    let mut trees = Union::new(cells.points.len());
     // size of the smallest cell at every point, zero at those of none
     let mut size = vec![0.0f64; cells.points.len()];
     for block in &cells.blocks {
@@ -126,28 +126,6 @@ pub fn unshared_points<const N: usize>(cells: &MeshCells<N>) -> Option<Unshared<
     roots.sort_unstable();
     roots.dedup();
     Some(Unshared { pairs: pairs.len(), at, parts: roots.len() })
-}
-
-/// Sets of numbers that are united; the least number of a set is its root.
-struct Trees(Vec<usize>);
-
-impl Trees {
-    fn new(count: usize) -> Self {
-        Self((0..count).collect())
-    }
-
-    fn root(&mut self, mut i: usize) -> usize {
-        while self.0[i] != i {
-            self.0[i] = self.0[self.0[i]];
-            i = self.0[i];
-        }
-        i
-    }
-
-    fn unite(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.0[a.max(b)] = a.min(b);
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Common parts of splines and Lagrange meshes of a patch: elements, exact map, collapsed edges, sides.
 
 use super::refine::{self, SAME_KNOT};
-use super::{SideError, SpecError};
+use super::{SideError, SpecError, Union};
 use crate::basis::{Basis, Extracted, Rational, Refined, TensorProduct};
 use crate::geometry::{ControlNet, ControlPoints, Embedding, Geometry, collapsed_faces};
 use crate::linalg::{Matrix, Vector};
@@ -180,35 +180,16 @@ pub(crate) struct Merged {
 impl Merged {
     /// Merges the functions of a grid of `counts` along collapsed faces.
     pub fn new<const N: usize>(counts: &[usize; N], collapsed: &[Collapse]) -> Self {
-        let total = counts.iter().product();
-        let mut root: Vec<usize> = (0..total).collect();
-        fn find(root: &mut [usize], mut i: usize) -> usize {
-            while root[i] != i {
-                root[i] = root[root[i]];
-                i = root[i];
-            }
-            i
-        }
+        let mut sets = Union::new(counts.iter().product());
         for c in collapsed {
             for i in on_side(counts, c.side) {
                 let mut at = split(counts, i);
                 at[c.along] = 0;
-                let (a, b) = (find(&mut root, i), find(&mut root, join(counts, &at)));
                 // the least number stays the root, so the numbering follows the grid
-                root[a.max(b)] = a.min(b);
+                sets.unite(i, join(counts, &at));
             }
         }
-        let mut id = vec![usize::MAX; total];
-        let mut functions = 0;
-        for i in 0..total {
-            let r = find(&mut root, i);
-            if r == i {
-                id[i] = functions;
-                functions += 1;
-            } else {
-                id[i] = id[r];
-            }
-        }
+        let (id, functions) = sets.numbers();
         Self { id, functions }
     }
 

@@ -1,7 +1,7 @@
 //! Several bodies glued to one: functions that agree on common sides are one function.
 
 use super::joined::{DirectSum, one_each};
-use super::{Body, GlueError, Near, SideError, Space, Trace, glue_facets};
+use super::{Body, GlueError, Near, SideError, Space, Trace, Union, glue_facets};
 use crate::basis::Order;
 use crate::geometry::{Bounds, Embedding, MapTable, Tree, cell};
 use crate::linalg::{Real, Vector, lit, to_f64};
@@ -340,40 +340,5 @@ impl Corners {
         let mut ids = Vec::new();
         space.corners(facet.element, &mut ids);
         ids.get(local).map(|id| self.known[body][id])
-    }
-}
-
-/// A union-find whose roots are the least numbers of their trees.
-struct Union(Vec<usize>);
-
-impl Union {
-    fn new(n: usize) -> Self {
-        Self((0..n).collect())
-    }
-    fn find(&mut self, mut i: usize) -> usize {
-        while self.0[i] != i {
-            self.0[i] = self.0[self.0[i]];
-            i = self.0[i];
-        }
-        i
-    }
-    fn unite(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.find(a), self.find(b));
-        self.0[a.max(b)] = a.min(b);
-    }
-    /// Consecutive numbers of the trees in the order of their roots, and the number of trees.
-    fn numbers(mut self) -> (Vec<usize>, usize) {
-        let mut count = 0;
-        let mut number = vec![0; self.0.len()];
-        for i in 0..self.0.len() {
-            let root = self.find(i);
-            if root == i {
-                number[i] = count;
-                count += 1;
-            } else {
-                number[i] = number[root];
-            }
-        }
-        (number, count)
     }
 }

@@ -8,6 +8,7 @@ use super::super::ConstrainedSystem;
 use super::super::scale::row_places;
 use crate::coupling::Rows;
 use crate::linalg::Triplets;
+use crate::space::Union;
 use std::ops::Range;
 
 /// Groups at first.
@@ -133,23 +134,15 @@ impl Summed {
 
 /// A number for every row, the same for rows of sides that are connected by unknowns of the slave.
 fn parts(system: &ConstrainedSystem<'_, f64>, m: usize) -> Vec<usize> {
-    fn root(of: &mut [usize], mut j: usize) -> usize {
-        while of[j] != j {
-            of[j] = of[of[j]];
-            j = of[j];
-        }
-        j
-    }
-    let mut of: Vec<usize> = (0..m).collect();
+    let mut trees = Union::new(m);
     let mut first = vec![usize::MAX; system.stiffness.size()];
     for &(j, i, _) in &system.constraint.slave.entries {
         if first[i] == usize::MAX {
             first[i] = j;
         }
-        let (a, b) = (root(&mut of, first[i]), root(&mut of, j));
-        of[a.max(b)] = a.min(b);
+        trees.unite(first[i], j);
     }
-    (0..m).map(|j| root(&mut of, j)).collect()
+    (0..m).map(|j| trees.root(j)).collect()
 }
 
 /// Sorts rows so that halves of every half lie together.

@@ -3,6 +3,7 @@
 use crate::basis::Order;
 use crate::geometry::{Bounds, Geometry, MapTable};
 use crate::linalg::{Real, Vector, lit, num, to_f64};
+use crate::space::Union;
 
 /// Ends closer than this share of the shorter element are one vertex.
 const SAME_VERTEX: f64 = 1e-7;
@@ -105,14 +106,7 @@ fn same_places<const N: usize, T: Real>(ends: &[(Vector<N, T>, Vector<N, T>)], l
     let axis = widest_axis(ends.iter().map(|e| e.0));
     let mut order: Vec<usize> = (0..n).collect();
     order.sort_by(|&a, &b| to_f64(ends[a].0[axis]).total_cmp(&to_f64(ends[b].0[axis])).then(a.cmp(&b)));
-    let mut root: Vec<usize> = (0..n).collect();
-    fn find(root: &mut [usize], mut k: usize) -> usize {
-        while root[k] != k {
-            root[k] = root[root[k]];
-            k = root[k];
-        }
-        k
-    }
+    let mut sets = Union::new(n);
     for i in 0..n {
         let a = order[i];
         for &b in &order[i + 1..] {
@@ -120,22 +114,11 @@ fn same_places<const N: usize, T: Real>(ends: &[(Vector<N, T>, Vector<N, T>)], l
                 break;
             }
             if (ends[a].0 - ends[b].0).norm() <= tolerance(a).min(tolerance(b)) {
-                let (ra, rb) = (find(&mut root, a), find(&mut root, b));
-                root[ra.max(rb)] = ra.min(rb);
+                sets.unite(a, b);
             }
         }
     }
-    let (mut number, mut count) = (vec![usize::MAX; n], 0);
-    (0..n)
-        .map(|k| {
-            let r = find(&mut root, k);
-            if number[r] == usize::MAX {
-                number[r] = count;
-                count += 1;
-            }
-            number[r]
-        })
-        .collect()
+    sets.numbers().0
 }
 
 fn vertex<const N: usize, T: Real>(at: Vec<(usize, usize)>, ends: &[(Vector<N, T>, Vector<N, T>)]) -> Vertex<N, T> {

@@ -172,11 +172,11 @@ pub fn check_place(arguments: &InspectArguments, json: Option<&Path>) -> Result<
 /// Contents of a case beside its geometry, as text and as JSON.
 /// Elements per direction as the case asks for them: "4 x 3", "2 per span x 2 per span".
 fn elements(patch: &Patch) -> String {
-    let halved = 1 << patch.refine.value.min(60);
+    let halved = 1_usize << patch.refine.value.min(60);
     let along = |d: &Located<Divisions>| match &d.value {
-        Divisions::Total(n) => (n * halved).to_string(),
-        Divisions::PerSpan(n) => format!("{} per span", n * halved),
-        Divisions::Breakpoints(list) => (list.len().saturating_sub(1) * halved).to_string(),
+        Divisions::Total(n) => n.saturating_mul(halved).to_string(),
+        Divisions::PerSpan(n) => format!("{} per span", n.saturating_mul(halved)),
+        Divisions::Breakpoints(list) => list.len().saturating_sub(1).saturating_mul(halved).to_string(),
     };
     patch.elements.value.iter().map(along).collect::<Vec<_>>().join(" x ")
 }

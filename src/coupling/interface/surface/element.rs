@@ -50,7 +50,7 @@ pub(super) struct Sides<'a> {
     boxes: Vec<Bounds<3>>,
 }
 
-/// What a thread keeps from one element to the next: points of a region in the chart and in space, their weights, normals and feet.
+/// Scratch memory of a thread from one element to the next: points of a region in the chart and in space, their weights, normals and feet.
 #[derive(Debug, Default)]
 pub(super) struct Scratch {
     at: Vec<Vector<2>>,

@@ -16,6 +16,7 @@ use crate::basis::Order;
 use crate::geometry::{MapTable, unit_normal};
 use crate::linalg::Vector;
 use crate::parallel;
+use crate::space::Union;
 
 /// Corners closer than this share of the shorter facet are one vertex.
 const SAME_VERTEX: f64 = 1e-7;
@@ -242,35 +243,21 @@ fn merged_corners(facets: &Facets<'_>, table: &mut MapTable<2, 3>) -> Vec<[usize
     let along = Vector::<3>::from(ALONG);
     let mut order: Vec<(f64, usize)> = places.iter().map(|x| along.dot(x)).zip(0..).collect();
     order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    let mut root: Vec<usize> = (0..places.len()).collect();
-    fn find(root: &mut [usize], mut k: usize) -> usize {
-        while root[k] != k {
-            root[k] = root[root[k]];
-            k = root[k];
-        }
-        k
-    }
+    let mut sets = Union::new(places.len());
     for (i, &(s, a)) in order.iter().enumerate() {
         let reach = 2.0 * (size_at[a] + 4.0 * floor(a));
         for &(_, b) in order[i + 1..].iter().take_while(|next| next.0 - s <= reach) {
             if (places[a] - places[b]).norm() <= size_at[a].min(size_at[b]) + floor(a.min(b)) {
-                let (ra, rb) = (find(&mut root, a), find(&mut root, b));
-                root[ra.max(rb)] = ra.min(rb);
+                sets.unite(a, b);
             }
         }
     }
-    let (mut number, mut count, mut at) = (vec![usize::MAX; places.len()], 0, 0);
+    // places are those of the corners of all facets, one after another
+    let mut numbers = sets.numbers().0.into_iter();
     let mut corners = Vec::with_capacity(facets.list.len());
     for facet in &facets.list {
         let mut own = [usize::MAX; 4];
-        for vertex in own.iter_mut().take(facet.polygon.sides()) {
-            let r = find(&mut root, at);
-            if number[r] == usize::MAX {
-                number[r] = count;
-                count += 1;
-            }
-            (*vertex, at) = (number[r], at + 1);
-        }
+        own.iter_mut().take(facet.polygon.sides()).zip(&mut numbers).for_each(|(vertex, number)| *vertex = number);
         corners.push(own);
     }
     corners
