@@ -211,3 +211,21 @@ fn multipliers_of_held_functions_are_passed_on() {
     let found = [4, 8, 16].map(|n| beta(&bottom(Kind::Tetrahedra, 1, [n, n], 1.0).space, MultiplierKind::Lowered(0), true));
     assert!(found[2] > 0.9 * found[1] && found[2] > 0.2, "{found:?}");
 }
+
+/// A function of a pole has the elements of all functions around it; they share what it gives when it is held.
+#[test]
+fn multipliers_around_held_poles_are_stable() {
+    for (kind, degree) in [Kind::Spline, Kind::Hexahedra, Kind::Tetrahedra].into_iter().flat_map(|kind| [1, 2].map(|p| (kind, p))) {
+        let found = [4, 8, 16, 32].map(|n| {
+            let net = shapes::sphere_octant([0.0; 3], [0.5, 1.0]).unwrap();
+            let body = kind.body(&PatchSpec::new(net).with_degree([degree; 3]).with_elements([n, n, 1]));
+            let space = body.trace("w1").unwrap().space;
+            let held = rim(&*space);
+            let psi = build_on_surface(&space, MultiplierKind::Lowered(0), &|i| held[i]).unwrap();
+            keeps_the_rules(&*psi, true, &format!("{kind:?} {degree} {n}"));
+            beta(&space, MultiplierKind::Lowered(0), true)
+        });
+        println!("{kind:?} of degree {degree}: {found:?}");
+        assert!(found[3] > 0.9 * found[2] && found[3] > 0.2, "{kind:?} of degree {degree}: {found:?}");
+    }
+}
