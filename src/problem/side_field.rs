@@ -37,7 +37,8 @@ pub struct SidePoint<const N: usize = 2> {
     pub s: Option<f64>,
     /// The point \[length\]; of a function on a surface the mean place, weighted with its absolute value.
     pub x: Vector<N>,
-    /// lambda, one number per component, of contacts one: coefficients of the function [force/area].
+    /// lambda, one number per component, of contacts one: coefficients of the function, of ties whose components have different functions
+    /// the values at this point [force/area].
     pub lambda: Vec<f64>,
     /// Gap of a contact; of a tie the jump u_slave - u_master, in elasticity along the outward normal of the master; `None` where nothing
     /// is faced.

@@ -110,26 +110,25 @@ fn by_functions<const S: usize, const N: usize>(
 ) -> Vec<SidePoint<N>> {
     let part = &state.model().ties[t].parts[p];
     let rows = component_rows(part);
-    // components may have different functions at the ends: one point per function of the one with most
-    let richest = (0..rows.len()).max_by_key(|&c| rows[c].len()).unwrap_or(0);
+    // components whose functions differ, as those that are lowered at other ends, have other centres, be their number the same
+    let all: Vec<Vec<(Option<f64>, Vector<N>)>> = part.multipliers.iter().map(|psi| centres(&part.slave, &**psi, arc)).collect();
+    let alike = all.windows(2).all(|pair| pair[0] == pair[1]);
     let jump = jumps(state, [t, p]);
     let slave = ClosestPoint::new(&*part.slave.trace.space);
     let gap_at = |x: &Vector<N>| {
         let found = slave.project(x)?;
         jump(found.element, &[found.xi]).first().copied()
     };
-    centres(&part.slave, &*part.multipliers[richest], arc)
-        .into_iter()
-        .enumerate()
-        .map(|(j, (s, x))| {
-            let lambda = if rows.iter().all(|r| r.len() == rows[richest].len()) {
-                rows.iter().map(|r| state.state().lambda[r.start + j]).collect()
-            } else {
-                at_centre(state, [t, p], slave.project(&x))
-            };
-            SidePoint { s, x, lambda, gap: gap_at(&x), active: true }
-        })
-        .collect()
+    // one point per function of the component with most
+    let richest = all.into_iter().max_by_key(Vec::len).unwrap_or_default();
+    let point = |(j, (s, x)): (usize, (Option<f64>, Vector<N>))| {
+        let lambda = match alike {
+            true => rows.iter().map(|r| state.state().lambda[r.start + j]).collect(),
+            false => at_centre(state, [t, p], slave.project(&x)),
+        };
+        SidePoint { s, x, lambda, gap: gap_at(&x), active: true }
+    };
+    richest.into_iter().enumerate().map(point).collect()
 }
 
 /// One point per point of the segments of a tie without multiplier, of curves along the slave.

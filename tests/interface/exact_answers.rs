@@ -1,6 +1,7 @@
 //! Answers of systems and solutions of which every number is known, by both backends.
 
 use faying::contact::HalfPlane;
+use faying::coupling::multiplier::MultiplierKind;
 use faying::geometry::shapes::rectangle;
 use faying::linalg::Vector;
 use faying::physics::Hooke;
@@ -32,6 +33,31 @@ fn pulled(is_mesh: bool) -> (Problem<1, 2>, TieId, [BodyId; 2], Statement) {
     let load = p.traction(upper.side("v1"), 1, 1.0).unwrap();
     let tie = p.tie(upper.side("v0"), lower.side("v1")).unwrap().named("seam").exact(vec![Data::from(0.0), Data::from(1.0)]).id();
     (p, tie, [lower, upper], load)
+}
+
+/// Components that are lowered at opposite ends have as many functions, and others.
+#[test]
+fn points_along_a_tie_have_the_lambda_of_their_place() {
+    for (is_mesh, load) in [false, true].into_iter().flat_map(|is_mesh| [0, 1].map(|load| (is_mesh, load))) {
+        let mut p = Problem::<1, 2>::new();
+        let (lower, upper) = (block(&mut p, "lower", 0.0, 3, is_mesh), block(&mut p, "upper", 1.0, 4, is_mesh));
+        p.fix(lower.side("v0"), Components::All).unwrap();
+        p.fix(upper.side("u0"), Components::X).unwrap();
+        p.fix(upper.side("u1"), Components::Y).unwrap();
+        p.traction(upper.side("v1"), load, 1.0).unwrap();
+        let tie = p.tie(upper.side("v0"), lower.side("v1")).unwrap().multiplier(MultiplierKind::Lowered(0)).id();
+        let solution = p.assemble().unwrap().solve(0.0, None).unwrap();
+        let (side, lambda) = (solution.along(tie, 0).unwrap().unwrap(), solution.multiplier(tie).unwrap());
+        assert!(lambda.len() == 2 * side.points().len(), "{} points", side.points().len());
+        let mut most = 0.0_f64;
+        for point in side.points() {
+            let (e, xi) = ((2.0 * point.x[0]).floor().min(3.0), Vector::<1>::new(2.0 * point.x[0] - (2.0 * point.x[0]).floor().min(3.0)));
+            let wanted = side.lambda(e as usize, &[xi]);
+            point.lambda.iter().zip(&wanted).for_each(|(found, wanted)| near(*found, *wanted));
+            most = most.max(wanted[load].abs());
+        }
+        assert!(most > 0.1, "{most}");
+    }
 }
 
 /// The displacement under sigma_yy = 1.
