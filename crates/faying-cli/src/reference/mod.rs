@@ -19,6 +19,8 @@ mod read;
 mod stored;
 mod write;
 
+use faying::basis::Cell;
+use faying::linalg::Vector;
 use serde::{Deserialize, Serialize};
 
 pub use on_case::{OnSide, Reference, ReferenceLambda, ReferencePatch};
@@ -106,10 +108,13 @@ pub struct StoredSide {
     pub components: usize,
     /// Degree of lambda on every element.
     pub degree: usize,
+    /// Shape of the facets, a word of the case file; empty: intervals, or squares.
+    #[serde(default)]
+    pub cells: String,
     /// The patch's element behind every facet, then every coordinate of their origins, then of their axes, axis after axis.
     #[serde(skip)]
     pub facets: Vec<f64>,
-    /// lambda at the nodes of [`nodes`]: number = components * ((degree + 1) * element + node) + component.
+    /// lambda at the points of [`node_points`]: number = components * ((degree + 1)^S * element + node) + component.
     #[serde(skip)]
     pub values: Vec<f64>,
 }
@@ -121,8 +126,39 @@ impl StoredSide {
     }
 }
 
+/// The points of a facet at which lambda is stored: the tensor product of [`nodes`], the first coordinate fastest.
+///
+/// On a triangle these are collapsed coordinates (s, t), xi = (s (1 - t), t): a polynomial of degree p in xi is one of degree p in s and in t.
+pub(super) fn node_points<const S: usize>(degree: usize, cell: Cell) -> Vec<Vector<S>> {
+    let nodes = nodes(degree);
+    let count = nodes.len();
+    let point = |k: usize| Vector::<S>::from_fn(|axis, _| nodes[k / count.pow(axis as u32) % count]);
+    (0..count.pow(S as u32)).map(|k| from_collapsed(point(k), cell)).collect()
+}
+
+/// The weights of the polynomial through [`node_points`] at the local point `xi`.
+pub(super) fn node_weights<const S: usize>(degree: usize, cell: Cell, xi: &Vector<S>) -> Vec<f64> {
+    let at = to_collapsed(*xi, cell);
+    (0..S).fold(vec![1.0], |all, axis| weights(degree, at[axis]).iter().flat_map(|w| all.iter().map(move |a| a * w)).collect())
+}
+
+fn from_collapsed<const S: usize>(mut at: Vector<S>, cell: Cell) -> Vector<S> {
+    if S == 2 && cell == Cell::Simplex {
+        at[0] *= 1.0 - at[1];
+    }
+    at
+}
+
+/// Inverse of [`from_collapsed`]; the vertex that a side of the square collapses to has s = 0.
+fn to_collapsed<const S: usize>(mut xi: Vector<S>, cell: Cell) -> Vector<S> {
+    if S == 2 && cell == Cell::Simplex {
+        xi[0] = if xi[1] < 1.0 { xi[0] / (1.0 - xi[1]) } else { 0.0 };
+    }
+    xi
+}
+
 /// The points on [0, 1] at which lambda is stored: Chebyshev points with both ends, or the middle for degree 0.
-pub fn nodes(degree: usize) -> Vec<f64> {
+fn nodes(degree: usize) -> Vec<f64> {
     match degree {
         0 => vec![0.5],
         p => (0..=p).map(|k| 0.5 - 0.5 * (std::f64::consts::PI * k as f64 / p as f64).cos()).collect(),
@@ -132,7 +168,7 @@ pub fn nodes(degree: usize) -> Vec<f64> {
 /// The weights of the polynomial through [`nodes`] at `xi`, by the barycentric formula.
 ///
 /// Source: Berrut, Trefethen, SIAM Review 46 (2004) 501-517, section 5.
-pub fn weights(degree: usize, xi: f64) -> Vec<f64> {
+fn weights(degree: usize, xi: f64) -> Vec<f64> {
     let nodes = nodes(degree);
     if let Some(k) = nodes.iter().position(|x| *x == xi) {
         return (0..=degree).map(|j| f64::from(j == k)).collect();
@@ -148,6 +184,22 @@ pub fn weights(degree: usize, xi: f64) -> Vec<f64> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn lambda_on_facets_is_the_polynomial_through_its_nodes() {
+        for (cell, p) in [Cell::Tensor, Cell::Simplex].into_iter().flat_map(|cell| (0..=5).map(move |p| (cell, p))) {
+            let f = |x: &Vector<2>| {
+                let terms = (0..=p).flat_map(|i| (0..=p - i).map(move |j| (i, j)));
+                terms.map(|(i, j)| (i as f64 - 0.5 * j as f64 + 0.3) * x[0].powi(i as i32) * x[1].powi(j as i32)).sum::<f64>()
+            };
+            let at: Vec<f64> = node_points::<2>(p, cell).iter().map(f).collect();
+            for xi in [[0.0, 0.0], [0.3, 0.6], [1.0, 0.0], [0.0, 1.0], [0.2, 0.8], [1e-13, 1.0 - 1e-12]] {
+                let xi = Vector::<2>::from(xi);
+                let found: f64 = node_weights(p, cell, &xi).iter().zip(&at).map(|(w, v)| w * v).sum();
+                assert!((found - f(&xi)).abs() < 1e-12, "{cell:?} of degree {p} at {xi}: {found} instead of {}", f(&xi));
+            }
+        }
+    }
 
     #[test]
     fn lambda_between_its_nodes_is_the_polynomial_through_them() {

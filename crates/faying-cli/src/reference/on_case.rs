@@ -5,7 +5,7 @@ use super::stored::{assumption_word, of_cells, of_net, physics_word, same_geomet
 use crate::case::{self, BASES, CELLS, MAPPINGS};
 use crate::errors::Diagnostic;
 use crate::lower::{LowerContext, mesh_body, mesh_counts, specification};
-use crate::reference::{StoredPatch, StoredRun, StoredSide, weights};
+use crate::reference::{StoredPatch, StoredRun, StoredSide, node_weights};
 use crate::shapes::MakeControlNet;
 use faying::assembly::gauss_rules;
 use faying::basis::{Basis, Cell};
@@ -110,6 +110,7 @@ pub struct OnSide<const S: usize> {
     pub segments: Segments<S>,
     components: usize,
     degree: usize,
+    cell: Cell,
     values: Arc<Vec<f64>>,
 }
 
@@ -123,9 +124,8 @@ impl<const S: usize, const N: usize> Reference<S, N> {
 impl<const S: usize> OnSide<S> {
     /// lambda at a point of a piece, one number per component.
     pub fn at(&self, piece: usize, point: usize) -> Vec<f64> {
-        let n = self.degree + 1;
-        let first = self.components * n * self.segments.master[piece];
-        let weights = weights(self.degree, self.segments.master_xi[point][0]);
+        let weights = node_weights(self.degree, self.cell, &self.segments.master_xi[point]);
+        let first = self.components * weights.len() * self.segments.master[piece];
         let value = |c: usize| weights.iter().enumerate().map(|(k, w)| w * self.values[first + self.components * k + c]).sum();
         (0..self.components).map(value).collect()
     }
@@ -303,6 +303,7 @@ struct Side<'a, const S: usize, const N: usize> {
     patch: usize,
     trace: Trace<S, N>,
     stored: &'a StoredSide,
+    cell: Cell,
     values: Arc<Vec<f64>>,
 }
 
@@ -334,8 +335,9 @@ where
             let origin = Vector::from_fn(|i, _| number(1 + i, k));
             facets.push(Embedding { element: element as usize, origin, axes: Matrix::from_fn(|i, s| number(1 + N + s * N + i, k)) });
         }
-        let trace = Trace::<S, N>::side_of_facets(space, facets, Cell::Tensor).map_err(|e| format!("is not on a side: {e}"))?;
-        all.push(Side { patch, trace, stored: side, values: Arc::new(side.values.clone()) });
+        let cell = if side.cells.is_empty() { Cell::Tensor } else { value_of(&CELLS, &side.cells)? };
+        let trace = Trace::<S, N>::side_of_facets(space, facets, cell).map_err(|e| format!("is not on a side: {e}"))?;
+        all.push(Side { patch, trace, stored: side, cell, values: Arc::new(side.values.clone()) });
     }
     Ok(all)
 }
@@ -359,7 +361,7 @@ where
         covered += segments.measure();
         let segments = if is_revolved { segments.revolved(&*slave.trace().space) } else { segments };
         let (components, degree, values) = (side.stored.components, side.stored.degree, Arc::clone(&side.values));
-        found.push(OnSide { segments, components, degree, values });
+        found.push(OnSide { segments, components, degree, cell: side.cell, values });
     }
     if covered < (1.0 - UNCOVERED) * whole {
         let share = (100.0 * covered / whole).floor();

@@ -112,7 +112,12 @@ fn facets(from: &mut ZlibDecoder<&[u8]>, budget: &Budget, side: &mut StoredSide,
         return Err(broken(format!("the facets of \"{}\" are not understood", side.name)));
     }
     side.values = rounded(from, &mut |l| budget.room(l))?;
-    let expected = side.degree.checked_add(1).and_then(|n| n.checked_mul(count)).and_then(|n| n.checked_mul(side.components));
+    let expected = side
+        .degree
+        .checked_add(1)
+        .and_then(|n| n.checked_pow(dimension as u32 - 1))
+        .and_then(|n| n.checked_mul(count))
+        .and_then(|n| n.checked_mul(side.components));
     if expected != Some(side.values.len()) {
         return Err(broken(format!("lambda of \"{}\" has {} numbers for {count} elements", side.name, side.values.len())));
     }

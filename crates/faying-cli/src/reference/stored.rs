@@ -3,7 +3,7 @@
 use crate::case::{self, BASES, BasisKind, CELLS, Case, MAPPINGS};
 use crate::errors::Diagnostics;
 use crate::lower::{LowerContext, specification};
-use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, nodes};
+use crate::reference::{Fingerprint, StoredPatch, StoredRun, StoredSide, node_points};
 use crate::shapes::{MakeControlNet, point_of};
 use faying::basis::{Basis, Cell, Order, ShapeTable};
 use faying::geometry::Embedding;
@@ -122,49 +122,60 @@ fn row<const S: usize, const N: usize>(body: &dyn Body<S, N>) -> usize {
     first.filter(|trace| trace.dofs.iter().enumerate().all(|(k, &f)| k == f)).map_or(0, |trace| trace.dofs.len())
 }
 
-/// Multiplier of a slave side, in parts on single patches; empty without multiplier.
+/// Multiplier of a slave side, in parts on single patches with facets of one shape; empty without multiplier.
 fn stored_sides<const S: usize, const N: usize>(
     contents: &Contents<'_, S, N>,
     name: &str,
     slave: &SideView<S, N>,
     fields: &[(&dyn Basis<S>, &[f64])],
 ) -> Vec<StoredSide> {
-    // of curves only: places on facets of surfaces are not stored
-    if fields.is_empty() || S != 1 {
+    if fields.is_empty() {
         return Vec::new();
     }
-    let elements = slave.trace().space.num_elements();
+    let trace = slave.trace();
+    let elements = trace.space.num_elements();
     let ends = slave.runs().iter().skip(1).map(|r| r.0).chain([elements]);
     let degree = fields.iter().flat_map(|(m, _)| (0..elements).map(|e| m.degree(e).into_iter().max().unwrap_or(0))).max().unwrap_or(0);
-    let points: Vec<Vector<S>> = nodes(degree).into_iter().map(Vector::<S>::repeat).collect();
-    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
     let mut all = Vec::new();
     for (&(first, patch), end) in slave.runs().iter().zip(ends) {
-        let facets: Vec<&Embedding<S, N>> = slave.trace().facets[first..end].iter().collect();
-        let elements = facets.iter().map(|f| f.element as f64);
-        let origins = (0..N).flat_map(|k| facets.iter().map(move |f| f.origin[k]));
-        let axes = (0..S).flat_map(|s| (0..N).map(move |k| (k, s))).flat_map(|(k, s)| facets.iter().map(move |f| f.axes[(k, s)]));
-        let mut values = vec![0.0; (end - first) * points.len() * fields.len()];
-        for (c, (basis, lambda)) in fields.iter().enumerate() {
-            for e in first..end {
-                basis.active(e, &mut ids);
-                basis.tabulate(e, &points, Order::Values, &mut table);
-                for q in 0..points.len() {
-                    let value: f64 = ids.iter().zip(table.values(q)).map(|(&j, v)| lambda[j] * v).sum();
-                    values[fields.len() * ((e - first) * points.len() + q) + c] = value;
-                }
+        for (cells, cell) in CELLS {
+            let elements: Vec<usize> = (first..end).filter(|&e| trace.space.cell(e) == cell).collect();
+            if elements.is_empty() {
+                continue;
             }
+            let facets: Vec<&Embedding<S, N>> = elements.iter().map(|&e| &trace.facets[e]).collect();
+            let bodies = facets.iter().map(|f| f.element as f64);
+            let origins = (0..N).flat_map(|k| facets.iter().map(move |f| f.origin[k]));
+            let axes = (0..S).flat_map(|s| (0..N).map(move |k| (k, s))).flat_map(|(k, s)| facets.iter().map(move |f| f.axes[(k, s)]));
+            all.push(StoredSide {
+                name: name.to_owned(),
+                patch: contents.body(patch).name().to_owned(),
+                components: fields.len(),
+                degree,
+                cells: cells.to_owned(),
+                facets: bodies.chain(origins).chain(axes).collect(),
+                values: at_nodes(fields, &elements, &node_points(degree, cell)),
+            });
         }
-        all.push(StoredSide {
-            name: name.to_owned(),
-            patch: contents.body(patch).name().to_owned(),
-            components: fields.len(),
-            degree,
-            facets: elements.chain(origins).chain(axes).collect(),
-            values,
-        });
     }
     all
+}
+
+/// Values of all `fields` at `points` of `elements`: the field fastest, then the point.
+fn at_nodes<const S: usize>(fields: &[(&dyn Basis<S>, &[f64])], elements: &[usize], points: &[Vector<S>]) -> Vec<f64> {
+    let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
+    let mut values = vec![0.0; elements.len() * points.len() * fields.len()];
+    for (c, (basis, lambda)) in fields.iter().enumerate() {
+        for (k, &e) in elements.iter().enumerate() {
+            basis.active(e, &mut ids);
+            basis.tabulate(e, points, Order::Values, &mut table);
+            for q in 0..points.len() {
+                let value: f64 = ids.iter().zip(table.values(q)).map(|(&j, v)| lambda[j] * v).sum();
+                values[fields.len() * (k * points.len() + q) + c] = value;
+            }
+        }
+    }
+    values
 }
 
 /// The fingerprint of the net of a patch.

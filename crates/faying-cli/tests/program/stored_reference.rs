@@ -25,6 +25,48 @@ fn arc(model: &str, rest: &str) -> String {
     )
 }
 
+/// An octant of a shell around one of another shell, tied along the sphere between them; u is harmonic.
+fn sphere() -> String {
+    format!(
+        "[model]\nphysics = \"poisson\"\ndimension = 3\n\
+         [discretization]\ndegree = 2\n\
+         [[patch]]\nname = \"inner\"\ngeometry = {{ kind = \"sphere-octant\", center = [0, 0, 0], radius = [0.6, 1.0] }}\nelements = [4, 4, 2]\n\
+         [[patch]]\nname = \"outer\"\ngeometry = {{ kind = \"sphere-octant\", center = [0, 0, 0], radius = [1.0, 1.5] }}\nelements = [3, 3, 2]\n\
+         [[boundary]]\non = \"all-outer\"\ndirichlet = \"{EXACT}\"\n\
+         [[interface]]\nname = \"arc\"\nslave = \"inner.w1\"\nmaster = \"outer.w0\"\n"
+    )
+}
+
+/// A paraboloid pressed on a block.
+const PRESSED_SOLID: &str = r#"
+[model]
+physics = "elasticity"
+dimension = 3
+[[material]]
+name = "m"
+young = 1.0
+poisson = 0.3
+[[patch]]
+name = "upper"
+geometry = { kind = "nurbs", degree = [2, 2, 1], knots = [[0, 0, 0, 1, 1, 1], [0, 0, 0, 1, 1, 1], [0, 0, 1, 1]], points = [[-0.5, -0.5, 0.1], [0, -0.5, 0], [0.5, -0.5, 0.1], [-0.5, 0, 0], [0, 0, -0.1], [0.5, 0, 0], [-0.5, 0.5, 0.1], [0, 0.5, 0], [0.5, 0.5, 0.1], [-0.5, -0.5, 0.6], [0, -0.5, 0.6], [0.5, -0.5, 0.6], [-0.5, 0, 0.6], [0, 0, 0.6], [0.5, 0, 0.6], [-0.5, 0.5, 0.6], [0, 0.5, 0.6], [0.5, 0.5, 0.6]] }
+elements = [5, 5, 1]
+[[patch]]
+name = "lower"
+geometry = { kind = "box", min = [-0.5, -0.5, -0.6], max = [0.5, 0.5, 0] }
+elements = [4, 4, 1]
+[[boundary]]
+on = "lower.bottom"
+fix = ["x", "y", "z"]
+[[boundary]]
+on = "upper.top"
+fix = ["x", "y"]
+dirichlet = { z = "-0.06" }
+[[contact]]
+name = "pad"
+slave = "upper.bottom"
+master = "lower.top"
+"#;
+
 /// A parabola pressed on a block.
 const PRESSED: &str = r#"
 [model]
@@ -106,7 +148,8 @@ fn a_run_has_no_error_against_itself() {
                 [[boundary]]\non = \"cube.bottom\"\ndirichlet = 0\n";
     let tied = arc("", "");
     let with_lambda = ["error.u.L2.rel", "error.u.H1.rel", "error.u.energy.rel", "error.lambda.L2.rel"];
-    let cases: [(&str, &[&str], Option<&str>, usize); 9] = [
+    let shells = sphere();
+    let cases: [(&str, &[&str], Option<&str>, usize); 14] = [
         (&tied, &[], Some("iga"), 4),
         (&tied, &["patch.outer.backend=\"fe\""], None, 4),
         (&tied, &["discretization.cells=\"simplex\""], Some("fe"), 4),
@@ -116,6 +159,11 @@ fn a_run_has_no_error_against_itself() {
         (PRESSED, &["contact.pad.multiplier=\"p/p\""], Some("fe"), 4),
         (disc, &[], None, 3),
         (cube, &[], None, 3),
+        (&shells, &[], Some("iga"), 4),
+        (&shells, &["patch.inner.cells=\"simplex\"", "patch.inner.backend=\"fe\""], None, 4),
+        (&shells, &["patch.inner.cells=\"simplex\"", "patch.outer.cells=\"simplex\"", "discretization.degree=3"], Some("fe"), 4),
+        (PRESSED_SOLID, &[], Some("iga"), 4),
+        (PRESSED_SOLID, &["discretization.cells=\"simplex\""], Some("fe"), 4),
     ];
     for (text, sets, backend, count) in cases {
         save(at.path(), "kept.ref", &stored(at.path(), text, sets, backend));
