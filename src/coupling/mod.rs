@@ -44,7 +44,7 @@ pub enum CouplingError {
         element: usize,
     },
     /// Pieces leave a part of a slave element uncovered or cover it twice, though the master does not end there.
-    #[error("the pieces of the slave side's element {element} cover {share:.6} of it, and the master does not end there")]
+    #[error("the pieces of the slave side's element {element} cover {share:.10} of it, and the master does not end there")]
     Lost {
         /// The element of the slave side.
         element: usize,

@@ -21,6 +21,8 @@ pub enum Shape {
     Sphere(f64, f64),
     /// Part of a sphere about its pole: longitudes of 90 degrees, the angle from the pole up to the second number; b = 1 is the pole.
     Cap(f64, f64),
+    /// Flat ring between these radii, a disc where the inner one is 0.
+    Ring([f64; 2]),
     /// Part of a torus of these radii: angles around its axis and its tube.
     Torus([f64; 2], f64),
 }
@@ -72,6 +74,18 @@ impl Shape {
                     v(-t * c, -t * s, 0.0) * (r * h * h),
                     v(-u * s, u * c, 0.0) * (r * h * k),
                     v(-t * c, -t * s, -u) * (r * k * k),
+                ]
+            }
+            Self::Ring([inner, outer]) => {
+                let (k, width) = (2.0 * PI, outer - inner);
+                let (r, (s, c)) = (inner + width * b, (k * a).sin_cos());
+                [
+                    v(r * c, r * s, 0.0),
+                    v(-r * k * s, r * k * c, 0.0),
+                    v(width * c, width * s, 0.0),
+                    v(-r * k * k * c, -r * k * k * s, 0.0),
+                    v(-width * k * s, width * k * c, 0.0),
+                    v(0.0, 0.0, 0.0),
                 ]
             }
             Self::Torus([big, small], range) => {

@@ -60,11 +60,12 @@ struct Model {
 }
 
 impl<'a> Chart<'a> {
-    pub fn new(facets: &'a Facets<'a>, facet: usize) -> Self {
+    /// The chart of a facet; `rounding`: that of the positions it is given \[length\].
+    pub fn new(facets: &'a Facets<'a>, facet: usize, rounding: f64) -> Self {
         let own = &facets.list[facet];
         let (polygon, x, jacobian) = (own.polygon, own.x, own.jacobian);
         let center = polygon.center();
-        let scale = 1.0 + x.norm() / own.size;
+        let scale = 1.0 + own.rounding.max(rounding) / (f64::EPSILON * own.size);
         let [whole, none] = [0, 1].map(|k| (FLAT[k] - own.cone.to_degrees()).max(TURNING[k]).to_radians().cos());
         Self {
             facets,
@@ -95,7 +96,7 @@ impl<'a> Chart<'a> {
     pub fn pull(&mut self, x: &Vector<3>, n: &Vector<3>) -> Vector<2> {
         let found = self.pulled(x, n);
         let pole = Vector::<2>::new(0.0, 1.0);
-        if self.is_pole && (found - pole).amax() <= 1e-12 {
+        if self.is_pole && (found - pole).amax() <= self.snap.max(1e-12) {
             return pole;
         }
         self.polygon.snapped(&found, self.snap)
@@ -187,7 +188,7 @@ mod tests {
     fn inside_a_point_is_seen_along_the_normal_that_is_given() {
         let map = bent();
         let facets = Facets::new(&map).unwrap();
-        let mut chart = Chart::new(&facets, 0);
+        let mut chart = Chart::new(&facets, 0, 0.0);
         for (u, v) in [(0.2, 0.7), (0.5, 0.5), (0.99, 0.01), (0.0, 0.4), (1.0, 1.0)] {
             let on = Vector::<3>::new(u, v, 0.3 * u * v);
             for n in [[0.0, 0.0, 1.0], [0.3, -0.2, 0.9]] {
@@ -204,7 +205,7 @@ mod tests {
     fn outside_is_outside_and_continuous() {
         let map = bent();
         let facets = Facets::new(&map).unwrap();
-        let mut chart = Chart::new(&facets, 0);
+        let mut chart = Chart::new(&facets, 0, 0.0);
         let n = Vector::<3>::new(0.1, 0.2, 1.0).normalize();
         let mut last = chart.pull(&Vector::<3>::new(0.5, 0.5, 0.2), &n);
         for i in 1..=300 {

@@ -59,7 +59,8 @@ impl Sides<'_> {
         sign: impl Fn(usize) -> f64,
     ) -> Option<WeightedPoints> {
         let by: Vec<usize> = by.iter().map(|&e| single(other, e)).collect::<Option<_>>()?;
-        let (mut chart, mut table) = (Chart::new(own, facet), MapTable::new());
+        let rounding = by.iter().map(|&f| other.list[f].rounding).fold(0.0, f64::max);
+        let (mut chart, mut table) = (Chart::new(own, facet, rounding), MapTable::new());
         let (polygon, mut points, mut whole) = (chart.polygon, Vec::new(), 0.0);
         let mut traced = Traced::new(other, skeleton, &mut chart, &mut table);
         for outline in outlines(other, skeleton, &by, &sign)? {

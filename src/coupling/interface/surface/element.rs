@@ -152,9 +152,10 @@ impl<'a> Sides<'a> {
 
     /// Integrates a facet; one that its regions do not tile is cut in four.
     fn facet(&self, work: &Work<'_, 'a>, again: usize, part: &mut SlavePieces<2, f64>, scratch: &mut Scratch) -> Done {
-        let mut chart = Chart::new(work.facets, work.facet);
-        let cell = chart.polygon.area();
         let candidates = self.candidates(work, &mut scratch.table);
+        let rounding = candidates.iter().map(|&(f, _)| self.master.facets.list[f].rounding).fold(0.0, f64::max);
+        let mut chart = Chart::new(work.facets, work.facet, rounding);
+        let cell = chart.polygon.area();
         let mut found = regions(&mut chart, &self.master, &candidates, &mut scratch.table);
         if found.share(cell) > 1.0 + TILES {
             self.confirm(&mut chart, &mut found);

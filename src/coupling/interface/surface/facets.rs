@@ -1,7 +1,8 @@
 //! Facets of a surface: its elements, cut where their normals turn much, collapsed ones charted as triangles.
 //!
-//! An element whose normals turn by more than 60 degrees along a direction is cut into equal parts in its own coordinates. A
-//! part with a side of zero length (its *pole*) has the coordinates of a triangle, with the pole at (0, 1):
+//! An element whose normals turn by more than 60 degrees along a direction is cut into equal parts in its own coordinates, and with it
+//! those beside it across a kink (`parts.rs`). A part with a side of zero length (its *pole*) has the coordinates of a triangle, with the
+//! pole at (0, 1):
 //!
 //! ```text
 //! p = u (1 - v),  q = v,     x_p = x_u / (1 - v),   x_q = x_v + x_u u / (1 - v)
@@ -10,7 +11,7 @@
 //! in which the map is regular in every direction from the pole, as it is not in (u, v).
 
 use super::biquadratic::Biquadratic;
-use super::parts::parts;
+use super::parts::{PartCounts, counts, cut, evened};
 use super::pole::{BESIDE_POLE, beside, from_pole, from_pole_second};
 use super::polygon::Polygon;
 use crate::basis::{Cell, Order};
@@ -24,6 +25,8 @@ use std::ops::Range;
 const ELEMENTS_PER_TASK: usize = 256;
 /// A side shorter than this share of the longest one is a point.
 const COLLAPSED: f64 = 1e-12;
+/// Rounding errors of the length of a side that is a point, in units of the last place of its coordinates.
+const ROUNDINGS: f64 = 64.0;
 /// Local coordinates outside of a facet that are rounding.
 const SAME_PLACE: f64 = 1e-9;
 /// Deviation from the linear map, in local coordinates, that is rounding.
@@ -59,6 +62,8 @@ pub(super) struct Facet {
     pub cone: f64,
     /// Shortest side that is no point \[length\].
     pub size: f64,
+    /// Rounding error of its positions \[length\]: that of coordinates as large as its longest side and its place.
+    pub rounding: f64,
 }
 
 /// The facets of all elements, in the order of elements.
@@ -70,48 +75,75 @@ pub(super) struct Facets<'a> {
     pub start: Vec<usize>,
 }
 
+/// Length up to which a side is a point, of a facet around `x` with sides of these lengths: sums of chords whose ends are rounded.
+fn no_length(lengths: &[f64], x: &Vector<3>) -> f64 {
+    let longest = lengths.iter().fold(0.0f64, |m, &l| m.max(l));
+    (COLLAPSED * longest).max(ROUNDINGS * f64::EPSILON * (x.norm() + longest))
+}
+
 impl<'a> Facets<'a> {
     /// Cuts all elements.
     ///
     /// # Errors
     /// [`CouplingError::Missing`] for a cell of which two sides are points.
     pub fn new(map: &'a dyn Geometry<2, 3>) -> Result<Self, CouplingError> {
-        let mut facets = Self { map, list: Vec::new(), start: vec![0] };
-        for own in parallel::map_ranges(map.num_elements(), ELEMENTS_PER_TASK, |elements| Self::of_elements(map, elements)) {
-            let (own, first) = (own?, facets.list.len());
+        let (facets, counts) = Self::cut(map, None)?;
+        if counts.iter().flatten().all(|&n| n == 1) {
+            return Ok(facets);
+        }
+        let (whole, _) = Self::cut(map, Some(&vec![[1; 4]; counts.len()]))?;
+        let even = evened(&whole, &counts);
+        if even == counts { Ok(facets) } else { Self::cut(map, Some(&even)).map(|(facets, _)| facets) }
+    }
+
+    /// Cuts all elements into given numbers of parts, or into those that their normals need; with these numbers.
+    fn cut(map: &'a dyn Geometry<2, 3>, given: Option<&[PartCounts]>) -> Result<(Self, Vec<PartCounts>), CouplingError> {
+        let (mut facets, mut counts) = (Self { map, list: Vec::new(), start: vec![0] }, Vec::new());
+        for own in parallel::map_ranges(map.num_elements(), ELEMENTS_PER_TASK, |elements| Self::of_elements(map, elements, given)) {
+            let ((own, of_own), first) = (own?, facets.list.len());
             facets.list.extend(own.list);
             facets.start.extend(own.start[1..].iter().map(|k| first + k));
+            counts.extend(of_own);
         }
-        Ok(facets)
+        Ok((facets, counts))
     }
 
     /// The facets of some elements, their places counted from the first of these.
-    fn of_elements(map: &'a dyn Geometry<2, 3>, elements: Range<usize>) -> Result<Self, CouplingError> {
-        let mut facets = Self { map, list: Vec::new(), start: vec![0] };
+    fn of_elements(
+        map: &'a dyn Geometry<2, 3>,
+        elements: Range<usize>,
+        given: Option<&[PartCounts]>,
+    ) -> Result<(Self, Vec<PartCounts>), CouplingError> {
+        let (mut facets, mut numbers) = (Self { map, list: Vec::new(), start: vec![0] }, Vec::new());
         let mut table = MapTable::new();
         for element in elements {
             let whole = Facet::of_element(element, polygon_of(map.cell(element)));
             let grid = GRID[usize::from(map.map_structure().is_affine(element))];
             let lengths = facets.add(whole, grid, &mut table);
             let first = facets.list.len() - 1;
-            let cut = if facets.list[first].affine { Vec::new() } else { parts(&facets, first, &mut table) };
-            if cut.len() < 2 {
+            let own = match given {
+                Some(given) => given[element],
+                None if facets.list[first].affine => [1; 4],
+                None => counts(&facets, first, &mut table),
+            };
+            numbers.push(own);
+            if own == [1; 4] {
                 facets.turn_to_pole(&lengths, &mut table)?;
             } else if let Some(whole) = facets.list.pop() {
-                for (origin, axes) in cut {
+                for (origin, axes) in cut(whole.polygon, &own) {
                     let lengths = facets.add(Facet { origin, axes, whole: false, ..whole.clone() }, GRID[0], &mut table);
                     facets.turn_to_pole(&lengths, &mut table)?;
                 }
             }
             facets.start.push(facets.list.len());
         }
-        Ok(facets)
+        Ok((facets, numbers))
     }
 
     /// A side of no length turns the facet that was added last so that its pole is the last corner of a triangle.
     fn turn_to_pole(&mut self, lengths: &[f64], table: &mut MapTable<2, 3>) -> Result<(), CouplingError> {
-        let longest = lengths.iter().fold(0.0f64, |m, &l| m.max(l));
-        let points: Vec<usize> = (0..lengths.len()).filter(|&k| lengths[k] <= COLLAPSED * longest).collect();
+        let none = self.list.last().map_or(0.0, |facet| no_length(lengths, &facet.x));
+        let points: Vec<usize> = (0..lengths.len()).filter(|&k| lengths[k] <= none).collect();
         let Some(mut facet) = (if points.is_empty() { None } else { self.list.pop() }) else { return Ok(()) };
         let polygon = facet.polygon;
         match points[..] {
@@ -138,9 +170,9 @@ impl<'a> Facets<'a> {
         let on_side = |k: usize, i: usize| table.x[polygon.side_index(n, k, i)];
         let length = |k: usize| (1..n).map(|i| (on_side(k, i) - on_side(k, i - 1)).norm()).sum::<f64>();
         let lengths: Vec<f64> = (0..polygon.sides()).map(length).collect();
-        let longest = lengths.iter().fold(0.0f64, |m, &l| m.max(l));
-        let size = lengths.iter().copied().filter(|&l| l > COLLAPSED * longest).fold(f64::INFINITY, f64::min);
         let (x, j) = (table.x[center], table.jacobian[center]);
+        let none = no_length(&lengths, &x);
+        let size = lengths.iter().copied().filter(|&l| l > none).fold(f64::INFINITY, f64::min);
         let normal = unit_normal(&j, 1.0);
         let back = inverse(&j.tr_mul(&j)).unwrap_or_else(Matrix::zeros) * j.transpose();
         let (mut bend, mut cone) = (0.0f64, 0.0f64);
@@ -157,6 +189,7 @@ impl<'a> Facets<'a> {
         let facet = &mut self.list[f];
         (facet.x, facet.jacobian, facet.back) = (x, j, back);
         (facet.normal, facet.cone, facet.bend, facet.size) = (normal, cone, bend, size);
+        facet.rounding = f64::EPSILON * lengths.iter().fold(x.norm(), |m, &l| m.max(l));
         facet.affine = !facet.pole && bend <= rounding;
         if !facet.pole && !facet.affine && n == GRID[0] {
             let form = Biquadratic::through(polygon, &x, |i, k| table.x[polygon.grid_index(n, 2 * i, 2 * k)]);
@@ -294,6 +327,7 @@ impl Facet {
             normal: Vector::zeros(),
             cone: 0.0,
             size: 0.0,
+            rounding: 0.0,
         }
     }
 
@@ -303,6 +337,17 @@ impl Facet {
             Some(form) => Some(form.at(p)),
             None => self.affine.then(|| (self.x + self.jacobian * (p - self.polygon.center()), self.jacobian)),
         }
+    }
+
+    /// The side of its element that is side `k` of a facet that is all of it.
+    pub fn side_of_element(&self, k: usize) -> usize {
+        if !self.pole {
+            return k;
+        }
+        let middle = self.origin + self.axes.column(0) * 0.5;
+        let first = (0..4).min_by(|&a, &b| Polygon::Square.distance(a, &middle).total_cmp(&Polygon::Square.distance(b, &middle)));
+        // the sides before and behind it end at the pole
+        (first.unwrap_or(0) + [0, 1, 3][k]) % 4
     }
 
     /// Whether coordinates of the element are in the facet, to rounding.

@@ -101,9 +101,9 @@ fn own_points(sides: &Sides<'_>, f: usize, merged: &[Pair], rule: &Rule<2>) -> O
         slave.map(*element, &[*xi], Order::Gradients, &mut work.own);
         covered += ds / work.rate()?;
     }
-    let mut by: Vec<usize> = merged.iter().map(|pair| pair.0).collect();
-    by.sort_unstable();
-    by.dedup();
+    // merged pairs are in the order of slave elements
+    let groups: Vec<&[Pair]> = merged.chunk_by(|a, b| a.0 == b.0).collect();
+    let by: Vec<usize> = groups.iter().map(|group| group[0].0).collect();
     let is = |area: f64| (covered - area).abs() <= WHOLE * cell;
     let part = if is(cell) && !sides.ends_at(&by) { None } else { sides.part_of_master(f, &by) };
     let area = part.as_ref().map_or(cell, |part| part.iter().map(|p| p.1).sum());
@@ -118,15 +118,11 @@ fn own_points(sides: &Sides<'_>, f: usize, merged: &[Pair], rule: &Rule<2>) -> O
     points
         .iter()
         .map(|(eta, weight)| {
-            let mut starts: BTreeMap<usize, (f64, Vector<2>)> = BTreeMap::new();
-            for (element, xi, at, _) in merged {
-                let far = (at - eta).norm();
-                let start = starts.entry(*element).or_insert((far, *xi));
-                if far < start.0 {
-                    *start = (far, *xi);
-                }
-            }
-            let mut order: Vec<(f64, usize, Vector<2>)> = starts.into_iter().map(|(element, (far, xi))| (far, element, xi)).collect();
+            let nearest = |group: &&[Pair]| {
+                let all = group.iter().map(|(element, xi, at, _)| ((at - eta).norm(), *element, *xi));
+                all.min_by(|a, b| a.0.total_cmp(&b.0)).expect("a group has a pair")
+            };
+            let mut order: Vec<(f64, usize, Vector<2>)> = groups.iter().map(nearest).collect();
             order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
             master.map(f, &[*eta], Order::Hessians, &mut work.other);
             let mut found = Vec::new();

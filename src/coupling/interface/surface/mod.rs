@@ -43,7 +43,8 @@ pub use slave::SlaveSurface;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MergedSurface {
     /// Gauss points per direction; max(p_slave, p_master) + 1 integrates products of polynomials of total degree p exactly on straight
-    /// regions of affine cells. Other regions take three more, and at least five: their sums converge fast, but are never exact.
+    /// regions of affine cells; tensor cells turned against each other need 2 p + 1. Other regions take three more, and at least five:
+    /// their sums converge fast, but are never exact.
     pub points: usize,
     /// Pairing rule.
     pub partners: Partners,

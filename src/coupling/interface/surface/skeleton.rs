@@ -10,7 +10,7 @@
 //! is the same from both facets, continuous at vertices, and the normal itself wherever the surface is smooth. On a rim m is that of the
 //! only facet. The normals of one connected part of a surface point to one side of it; their signs are found by walking shared edges.
 
-use super::facets::Facets;
+use super::facets::{Facet, Facets};
 use super::numbers::ByNumber;
 use crate::basis::Order;
 use crate::geometry::{MapTable, unit_normal};
@@ -177,7 +177,9 @@ impl Skeleton {
         let (mut apart, mut bent, mut means) = (0.0f64, 0.0f64, [Vector::zeros(); 2]);
         let chord = ends[1].x - ends[0].x;
         // normals of affine facets are constant and their sides straight
-        let parts = if edge.at().iter().all(|at| facets.list[at.0].affine) { 1 } else { 8 };
+        let of_facets = || edge.at().iter().map(|at| &facets.list[at.0]);
+        let is_affine = of_facets().all(|facet| facet.affine);
+        let parts = if is_affine { 1 } else { 8 };
         for i in 0..=parts {
             let t = f64::from(i) / f64::from(parts);
             let mut own = [Vector::zeros(); 2];
@@ -202,7 +204,9 @@ impl Skeleton {
         for (mean, end) in means.iter().zip(&ends) {
             apart = apart.max((mean - end.normal).norm());
         }
-        let far = ends[0].x.norm() / chord.norm();
+        // normals of thin facets are rounded as their shortest side is
+        let of_facet = |facet: &Facet| facet.rounding / (f64::EPSILON * facet.size);
+        let far = if is_affine { of_facets().map(of_facet).fold(0.0, f64::max) } else { 0.0 }.max(ends[0].x.norm() / chord.norm());
         (apart.max(bent) <= STRAIGHT * (1.0 + far), apart <= SMOOTH, means)
     }
 

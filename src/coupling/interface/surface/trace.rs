@@ -12,6 +12,8 @@ use crate::linalg::Vector;
 
 /// Deepest halving of an edge.
 const DEPTH: usize = 48;
+/// Points of an edge after which nothing is halved any more; edges that cross a cell many times take some hundreds.
+const MOST_POINTS: usize = 20_000;
 /// Halvings of a curved piece.
 const CURVE_DEPTH: usize = 8;
 /// Error of curved pieces, in local coordinates.
@@ -54,6 +56,11 @@ impl Tracer<'_> {
         sample
     }
 
+    /// The halvings that are left of `depth`: none once the edge has its most points.
+    fn left(&self, depth: usize) -> usize {
+        if self.seen.len() < MOST_POINTS { depth } else { 0 }
+    }
+
     fn middle(&mut self, a: &Sample, b: &Sample) -> Sample {
         self.sample(0.5 * (a.0 + b.0))
     }
@@ -68,7 +75,7 @@ impl Tracer<'_> {
 
     /// Halves an edge until it is short and little bent, or surely outside.
     fn refine(&mut self, a: Sample, b: Sample, depth: usize) {
-        let m = self.middle(&a, &b);
+        let (m, depth) = (self.middle(&a, &b), self.left(depth));
         for k in 0..self.polygon.sides() {
             let [da, dm, db] = [a, m, b].map(|s| self.polygon.distance(k, &s.1));
             let off = (dm - 0.5 * (da + db)).abs();
@@ -104,6 +111,9 @@ impl Tracer<'_> {
             if phi[i - 1] * phi[i] < 0.0 {
                 let root = self.root(at[i - 1], at[i]);
                 cuts.push(root);
+            } else if phi[i - 1].min(phi[i]) < 0.0 && phi[i - 1].max(phi[i]) == 0.0 {
+                let end = self.end_on_side(at[i - 1], at[i]);
+                cuts.extend(end);
             }
             if i == SAMPLES {
                 break;
@@ -162,8 +172,28 @@ impl Tracer<'_> {
 
     /// The crossing between two samples of different sign, exactly on its side.
     fn root(&mut self, a: Sample, b: Sample) -> Sample {
+        let found = self.root_of(a, b, &|tracer, s| tracer.level(s));
+        (found.0, self.polygon.put_on(self.polygon.nearest_side(&found.1), &found.1))
+    }
+
+    /// The place at which an edge with one sample on a side and the other outside leaves the side through a corner.
+    fn end_on_side(&mut self, a: Sample, b: Sample) -> Option<Sample> {
+        let (on, out) = if self.level(&a) == 0.0 { (a, b) } else { (b, a) };
+        let k = self.polygon.nearest_side(&out.1);
+        if self.polygon.distance(k, &on.1) <= self.snap {
+            return None;
+        }
+        let found = self.root_of(a, b, &|tracer, s| {
+            let d = tracer.polygon.distance(k, &s.1);
+            if d.abs() <= tracer.snap { 0.0 } else { d }
+        });
+        Some((found.0, self.polygon.snapped(&self.polygon.put_on(k, &found.1), self.snap)))
+    }
+
+    /// The sample between two at which the function `of`, of different sign there, is zero.
+    fn root_of(&mut self, a: Sample, b: Sample, of: &dyn Fn(&Self, &Sample) -> f64) -> Sample {
         let (mut lo, mut hi) = (a, b);
-        let (mut f_lo, mut f_hi) = (self.level(&lo), self.level(&hi));
+        let (mut f_lo, mut f_hi) = (of(self, &lo), of(self, &hi));
         let mut found = if f_lo == 0.0 { lo } else { hi };
         let mut last = 0;
         for step in 0..ROOT_STEPS {
@@ -177,7 +207,7 @@ impl Tracer<'_> {
                 break;
             }
             let s = self.sample(t);
-            let f = self.level(&s);
+            let f = of(self, &s);
             found = s;
             if f == 0.0 {
                 break;
@@ -192,7 +222,7 @@ impl Tracer<'_> {
                 last = 2;
             }
         }
-        (found.0, self.polygon.put_on(self.polygon.nearest_side(&found.1), &found.1))
+        found
     }
 
     /// A part of the edge without crossings.
@@ -200,7 +230,7 @@ impl Tracer<'_> {
         if (b.1 - a.1).amax() <= self.snap {
             return self.line(&a, &b);
         }
-        let m = self.middle(&a, &b);
+        let (m, depth) = (self.middle(&a, &b), self.left(depth));
         let phi = self.level(&m);
         if phi > 0.0 {
             self.inside(a, b, depth, CURVE_DEPTH);
@@ -214,7 +244,7 @@ impl Tracer<'_> {
     /// A part whose middle is on the boundary: along a side, or through a corner.
     fn on_boundary(&mut self, a: Sample, m: Sample, b: Sample, depth: usize) {
         let quarters = [self.middle(&a, &m), self.middle(&m, &b)];
-        if depth == 0 || quarters.iter().all(|q| self.level(q) == 0.0) {
+        if depth == 0 || [a, b].iter().chain(&quarters).all(|q| self.level(q) == 0.0) {
             self.line(&a, &m);
             self.line(&m, &b);
         } else {
@@ -224,7 +254,7 @@ impl Tracer<'_> {
     }
 
     fn inside(&mut self, a: Sample, b: Sample, depth: usize, level: usize) {
-        let at = nodes();
+        let (at, depth) = (nodes(), self.left(depth));
         let mut points = [a.1; NODES];
         points[NODES - 1] = b.1;
         for i in 1..NODES - 1 {
@@ -248,7 +278,7 @@ impl Tracer<'_> {
             let s = self.sample(a.0 + (b.0 - a.0) * t);
             error = error.max((s.1 - curve.at(t)[0]).amax());
         }
-        if error > CURVE_ERROR.max(20.0 * self.snap) && level > 0 {
+        if error > CURVE_ERROR.max(20.0 * self.snap) && self.left(level) > 0 {
             let m = (0.5 * (a.0 + b.0), points[NODES / 2]);
             self.inside(a, m, depth, level - 1);
             self.inside(m, b, depth, level - 1);
@@ -260,7 +290,7 @@ impl Tracer<'_> {
     fn outside(&mut self, a: Sample, b: Sample, depth: usize) {
         let beyond = |k: usize, s: &Sample| self.polygon.distance(k, &s.1) <= self.snap;
         let common = (0..self.polygon.sides()).any(|k| beyond(k, &a) && beyond(k, &b));
-        let m = self.middle(&a, &b);
+        let (m, depth) = (self.middle(&a, &b), self.left(depth));
         if depth == 0 {
             return self.line(&a, &b);
         }
@@ -315,5 +345,38 @@ mod tests {
             let found = disc(center, r, snap);
             assert!((found - expected).abs() < 1e-11, "{center:?} {r}: {found:e} {expected:e}");
         }
+    }
+
+    #[test]
+    fn edges_that_leave_a_side_through_a_corner_are_the_side_up_to_it() {
+        for i in 1..10 {
+            for j in 1..10 {
+                let (from, to) = (0.1 * f64::from(i), 1.0 + 0.1 * f64::from(j));
+                let at = |t: f64| {
+                    let p = from + (to - from) * t;
+                    Vector::<2>::new(p, 0.3 * (p - 1.0).max(0.0))
+                };
+                let mut chain = trace(Polygon::Square, 4e-14, [at(0.0), at(1.0)], &mut |t| at(t));
+                let corners = [at(1.0), Vector::<2>::new(to, 1.0), Vector::<2>::new(from, 1.0), at(0.0)];
+                chain.extend(corners.windows(2).map(|w| EdgePiece::Line(w[0], w[1])));
+                let found = area(&clip(Polygon::Square, chain));
+                assert!((found - (1.0 - from)).abs() < 1e-12, "{from} {to}: {found:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_edge_that_crosses_a_side_everywhere_ends() {
+        let mut count = 0;
+        // along a side, within rounding that is taken to be smaller
+        let pieces = trace(Polygon::Square, 4e-14, [Vector::<2>::new(-2.0, 0.0), Vector::<2>::new(3.0, 0.0)], &mut |t| {
+            count += 1;
+            let noise = (t.to_bits().wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 11) as f64 / (1u64 << 53) as f64 - 0.5;
+            Vector::<2>::new(5.0 * t - 2.0, 1e-9 * noise)
+        });
+        assert!(count < 2 * MOST_POINTS, "{count}");
+        let ends = [pieces[0].from(), pieces[pieces.len() - 1].to()];
+        assert_eq!(ends, [Vector::<2>::new(-2.0, 0.0), Vector::<2>::new(3.0, 0.0)]);
+        assert!(pieces.windows(2).all(|w| w[0].to() == w[1].from()));
     }
 }
