@@ -60,9 +60,10 @@ impl<T: Real> ConsistencyEstimate<T> {
         Ok(all)
     }
 
-    /// Returns the consistency error e (module docs) of constraint rows C and reaction rows B (`None`: C) on a solution u, lambda, whose
-    /// rows hold where `closed` says so (`None`: everywhere). A part with zero denominator counts as zero.
-    pub fn estimate(&self, constraint: &Rows<T>, reaction: Option<&Rows<T>>, closed: Option<&[bool]>, u: &[T], lambda: &[T]) -> T {
+    /// Returns the consistency error e (module docs) of constraint rows C and reaction rows B, `[C, B]`, on a solution u, lambda, whose rows
+    /// hold where `closed` says so (`None`: everywhere). A lambda that is smaller than `least` on average [force/area] counts as that large,
+    /// a part with zero denominator as zero.
+    pub fn estimate(&self, [constraint, reaction]: [&Rows<T>; 2], closed: Option<&[bool]>, u: &[T], lambda: &[T], least: T) -> T {
         let zero = T::zero();
         let holds = |i: usize| closed.is_none_or(|c| c[i]);
         let mut gap = vec![zero; self.multiplier.len()];
@@ -82,10 +83,8 @@ impl<T: Real> ConsistencyEstimate<T> {
                 }
             }
         };
-        add(constraint, T::one(), true, reaction.is_none());
-        if let Some(reaction) = reaction {
-            add(reaction, T::one(), false, true);
-        }
+        add(constraint, T::one(), true, false);
+        add(reaction, T::one(), false, true);
         add(&self.rows, -T::one(), true, true);
         let dual = |r: T, w: T| if w > zero { r * r / w } else { zero };
         let sum = |terms: &mut dyn Iterator<Item = T>| terms.fold(zero, |s, v| s + v).sqrt();
@@ -93,6 +92,7 @@ impl<T: Real> ConsistencyEstimate<T> {
         let force = sum(&mut force.iter().zip(&self.unknowns).map(|(&r, w)| dual(r, w.1)));
         let u = sum(&mut self.unknowns.iter().zip(&weighed).filter(|(w, weighed)| w.2 && **weighed).map(|(w, _)| w.1 * u[w.0] * u[w.0]));
         let lambda = sum(&mut self.multiplier.iter().zip(lambda).map(|(&w, &l)| w * l * l));
+        let lambda = lambda.max(least * sum(&mut self.multiplier.iter().copied()));
         let share = |defect: T, size: T| if size > zero { defect / size } else { zero };
         share(gap, u).max(share(force, lambda))
     }
@@ -134,8 +134,9 @@ impl<T: Real> StiffnessEstimate<T> {
         Ok(Self { defect, unknowns })
     }
 
-    /// Returns the consistency error e (module docs) of the stiffness `own` on a solution u; zero without forces.
-    pub fn estimate(&self, own: &Triplets<T>, u: &[T]) -> T {
+    /// Returns the consistency error e (module docs) of the stiffness `own` on a solution u; zero without forces. Forces that are smaller than
+    /// those of tractions of the size `least` [force/area] count as that large.
+    pub fn estimate(&self, own: &Triplets<T>, u: &[T], least: T) -> T {
         let norm = |entries: &[(usize, usize, T)], of_slave: bool| {
             let mut forces = vec![T::zero(); self.unknowns.len()];
             for &(i, j, v) in entries {
@@ -146,7 +147,8 @@ impl<T: Real> StiffnessEstimate<T> {
             let counted = forces.iter().zip(&self.unknowns).filter(|(_, w)| w.2 || !of_slave);
             counted.fold(T::zero(), |sum, (f, w)| sum + *f * *f / w.1).sqrt()
         };
-        let (missed, whole) = (norm(&self.defect, false), norm(&own.entries, true));
+        let area = self.unknowns.iter().filter(|w| w.2).fold(T::zero(), |sum, w| sum + w.1);
+        let (missed, whole) = (norm(&self.defect, false), norm(&own.entries, true).max(least * area.sqrt()));
         if whole > T::zero() { missed / whole } else { T::zero() }
     }
 }

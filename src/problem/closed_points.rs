@@ -4,7 +4,6 @@ use super::model::{ContactPart, Model};
 use super::state::StepState;
 use super::supports::{free_motions, motion_texts};
 use crate::contact::ContactRows;
-use std::collections::BTreeMap;
 
 /// Rigid motions that the closed contacts of a solution leave, a sentence per body; `None` without any, and without contacts.
 pub fn remaining_motions<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Option<Vec<String>> {
@@ -41,22 +40,21 @@ pub fn closed_points<const S: usize, const N: usize>(
     model.contacts.iter().zip(contacts).map(|(c, built)| c.parts.iter().zip(built).map(|(p, b)| of_part(p, b)).collect()).collect()
 }
 
-/// Functions of a slave side that carry a contact: those that are closed, and those that face the opponent. Where rows belong to points
-/// they are the elements of these.
+/// Functions of a slave side that face the opponent, each with whether it is closed; `None` of the others. Where rows belong to points they
+/// are the elements of these.
 pub fn zone_functions<const S: usize, const N: usize>(
     part: &ContactPart<S, N>,
     contact: &ContactRows<S, N>,
     closed: &dyn Fn(usize) -> bool,
-) -> (usize, usize) {
+) -> Vec<Option<bool>> {
     if let Some(row) = contact.row_of_points() {
         let s = &contact.segments;
-        let mut elements: BTreeMap<usize, bool> = BTreeMap::new();
+        let mut elements = vec![None; part.slave.trace.space.num_elements()];
         for piece in 0..s.num_pieces() {
             let any = s.points(piece).any(|q| row.get(q).is_some_and(|j| closed(part.first_row + j)));
-            *elements.entry(s.slave[piece]).or_default() |= any;
+            *elements[s.slave[piece]].get_or_insert(false) |= any;
         }
-        return (elements.values().filter(|any| **any).count(), elements.len());
+        return elements;
     }
-    let facing = || (0..contact.facing.len()).filter(|&j| contact.facing[j]);
-    (facing().filter(|j| closed(part.first_row + j)).count(), facing().count())
+    contact.facing.iter().enumerate().map(|(j, &facing)| facing.then(|| closed(part.first_row + j))).collect()
 }

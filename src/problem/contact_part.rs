@@ -17,8 +17,8 @@ use crate::basis::{Basis, Elements};
 use crate::contact::{Cone, ContactError, ContactKinematics, ContactRows};
 use crate::coupling::consistency::ConsistencyEstimate;
 use crate::coupling::interface::{InterfaceQuadrature, Partners, slave_segments};
-use crate::coupling::multiplier::MultiplierError;
-use crate::coupling::{Interface, Segments, Side};
+use crate::coupling::multiplier::{MultiplierError, PiecewiseConstant};
+use crate::coupling::{Coupling, Interface, Mortar, Rows, Segments, Side};
 use crate::linalg::Vector;
 use crate::space::Trace;
 use std::collections::HashSet;
@@ -84,7 +84,8 @@ where
             let first = contact.rows(self, &sides, t, None).map_err(|error| at_time(error, t))?;
             if first.facing.contains(&true) {
                 self.sound_later(contact, setup, &sides, &first)?;
-                let finer = finer.zip(psi).and_then(|(segments, psi)| self.finer_contact(slave, &against, psi, &segments));
+                let finer = finer.and_then(|segments| self.finer_contact(slave, &against, psi, &segments));
+                let by_elements = if psi.is_none() { self.rows_of_elements(slave, &against) } else { None };
                 return Ok(ContactPart {
                     number: 0,
                     slave: slave.clone(),
@@ -97,6 +98,7 @@ where
                     against,
                     second,
                     finer,
+                    by_elements,
                     masters: masters.to_vec(),
                     first,
                     closes,
@@ -230,25 +232,48 @@ where
         Ok((psi, reading, unstable))
     }
 
-    /// Rows on finer segments, against which the consistency error is estimated.
+    /// Rows on finer segments, against which the consistency error is estimated: those of the multiplier, without one of a constant per
+    /// element.
     fn finer_contact(
         &self,
         slave: &BodySide<S, N>,
         against: &Opposing<S, N>,
-        psi: &dyn Basis<S>,
+        psi: Option<&dyn Basis<S>>,
         segments: &Segments<S>,
     ) -> Option<ConsistencyEstimate> {
+        let constants = PiecewiseConstant::of(&*slave.trace.space);
+        self.on_segments(slave, against, (psi.unwrap_or(&constants), segments), &|interface| {
+            ConsistencyEstimate::try_new(&[*interface], self.unknowns).ok()
+        })
+    }
+
+    /// Rows of a constant per element of the slave, on the segments of the contact.
+    fn rows_of_elements(&self, slave: &BodySide<S, N>, against: &Opposing<S, N>) -> Option<Rows> {
+        let Opposing::Side(_, segments) = against else { return None };
+        let constants = PiecewiseConstant::of(&*slave.trace.space);
+        self.on_segments(slave, against, (&constants, segments), &|interface| {
+            Some(Mortar.assemble(interface, self.unknowns).ok()?.constraint)
+        })
+    }
+
+    /// Calls `with` for the pair of a slave and its master, on segments other than those of the contact.
+    fn on_segments<R>(
+        &self,
+        slave: &BodySide<S, N>,
+        against: &Opposing<S, N>,
+        (psi, segments): (&dyn Basis<S>, &Segments<S>),
+        with: &dyn Fn(&Interface<'_, S, N>) -> Option<R>,
+    ) -> Option<R> {
         let Opposing::Side(master, _) = against else { return None };
         let (segments, frames) = ContactKinematics::against_master(&slave.trace, &master.trace, segments).ok()?;
-        let interface = Interface {
+        with(&Interface {
             slave: Side { trace: &slave.trace, field: self.patches[slave.patch].field, flux: None },
             master: Some(Side { trace: &master.trace, field: master.field, flux: None }),
             multiplier: &[psi],
             segments: &segments,
             master_segments: None,
             direction: Some(&frames.normal),
-        };
-        ConsistencyEstimate::try_new(&[interface], self.unknowns).ok()
+        })
     }
 }
 

@@ -142,7 +142,7 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
             result.moment = model.in_space(pull).moment;
         }
         (result.jump, result.largest_jump) = self.jumps(model, &state.u);
-        result.consistency = self.consistency(state);
+        result.consistency = self.consistency(model, state);
         result.balance = balance.defect();
         result
     }
@@ -206,7 +206,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             measure: 0.0,
             half_width: None,
             displacement: self.obstacle.as_ref().map(|o| o.displacement(state.t, Some(&state.u))),
-            consistency: self.consistency(built, state),
+            consistency: self.consistency(model, built, state),
             balance: 0.0,
         };
         let (mut zones, mut balance) = (Vec::new(), CouplingBalance::default());

@@ -3,8 +3,8 @@
 use super::BodySide;
 use crate::basis::Basis;
 use crate::contact::{Cone, ContactMethod, ContactRows};
-use crate::coupling::Segments;
 use crate::coupling::consistency::ConsistencyEstimate;
+use crate::coupling::{Rows, Segments};
 use crate::linalg::Vector;
 use crate::problem::data::{Data, Point};
 use crate::problem::handles::ContactId;
@@ -50,8 +50,11 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub against: Opposing<S, N>,
     /// Segments for the integrals over the master, for mixed integration.
     pub second: Option<Segments<S>>,
-    /// Rows of a finer integration, for the consistency error; `None` against an obstacle and without multiplier.
+    /// Rows of a finer integration, for the consistency error: those of the multiplier, without one of a constant per element; `None` against
+    /// an obstacle.
     pub finer: Option<ConsistencyEstimate>,
+    /// Rows of a constant per element of the slave, which the finer ones are compared with where rows belong to points.
+    pub by_elements: Option<Rows>,
     /// Deformable master sides, joined into one in `against`.
     pub masters: Vec<Arc<BodySide<S, N>>>,
     /// Rows, offsets and weights at the first time at which a point of the side faces the opponent.

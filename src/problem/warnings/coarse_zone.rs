@@ -4,12 +4,11 @@
 //! by about 1/n of themselves. Functions whose pressure is rounding carry nothing. Points in the opponent while no function is closed are a zone that was missed. Zones that are all of what faces the opponent end with the side and are not looked at.
 
 use super::warning::{Subject, Warning};
+use super::zone_extent::{FEWEST, ZoneExtent};
 use crate::problem::closed_points::zone_functions;
 use crate::problem::model::{ContactModel, ContactPart, Model};
 use crate::problem::state::StepState;
 
-/// Least number of functions across a zone.
-const FEWEST: usize = 4;
 /// Least number of functions across half a zone of degree 1, 2, and higher: one function decides what is in the middle.
 const FEWEST_OF_HALF: [usize; 3] = [4, 3, 5];
 /// Least number of functions from the axis of revolution on, of degree 1 and 2, 3, and higher: little area stands behind the pressure there.
@@ -24,22 +23,30 @@ const MISSED: f64 = 1e-6;
 pub(super) fn coarse_zones<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
     let mut found = Vec::new();
     for (k, (contact, built)) in model.contacts.iter().zip(&state.contacts).enumerate() {
-        let (mut closed, mut facing, mut deepest) = (0, 0, 0.0_f64);
+        let (mut closed, mut facing, mut deepest, mut extent) = (0, 0, 0.0_f64, ZoneExtent::new());
         for (part, rows) in contact.parts.iter().zip(built) {
             deepest = part.point_gaps(model, rows, &state.u).into_iter().fold(deepest, |d, gap| d.max(-gap));
-            let (own, all) = zone_functions(part, rows, &|row| state.active[row]);
-            closed += own;
-            facing += all;
+            let functions = zone_functions(part, rows, &|row| state.active[row]);
+            closed += functions.iter().filter(|f| **f == Some(true)).count();
+            facing += functions.iter().flatten().count();
+            if S > 1 {
+                extent.add(part, rows, &functions);
+            }
         }
         if closed > 0 && !contact.presses(model, built, state) {
             closed = 0;
         }
-        let least = least(model, contact);
+        let of_surface = (S > 1 && 0 < closed && closed < facing).then(|| extent.across()).flatten();
+        let (across, least) = match of_surface {
+            Some((n, least)) => (Some(n), least),
+            None => (None, least(model, contact)),
+        };
+        let few = if S > 1 { across.is_some_and(|n| n < least as f64) } else { 0 < closed && closed < least && closed != facing };
         // a force that presses an obstacle is carried, and none where it vanishes
         let is_pressed = contact.obstacle.as_ref().is_some_and(|obstacle| !obstacle.pressed.is_empty());
         let missed = closed == 0 && deepest > MISSED * model.size && !is_pressed;
-        if missed || 0 < closed && closed < least && closed != facing {
-            found.push(Warning::CoarseZone { of: Subject::contact(model, k), closed, least });
+        if missed || few {
+            found.push(Warning::CoarseZone { of: Subject::contact(model, k), closed, across, least });
         }
     }
     found
@@ -49,9 +56,7 @@ pub(super) fn coarse_zones<const S: usize, const N: usize>(model: &Model<S, N>, 
 fn least<const S: usize, const N: usize>(model: &Model<S, N>, contact: &ContactModel<S, N>) -> usize {
     let degree = contact.parts.iter().map(|part| part.slave.degree()).max().unwrap_or(1);
     let is_on_axis = |part: &ContactPart<S, N>| part.slave.trace.space.extent().is_some_and(|b| b.lo[0] <= ON_AXIS * model.size);
-    if S > 1 {
-        FEWEST.pow(S as u32)
-    } else if model.is_revolved() && contact.parts.iter().any(is_on_axis) {
+    if model.is_revolved() && contact.parts.iter().any(is_on_axis) {
         FEWEST_FROM_AXIS[degree.clamp(2, 4) - 2]
     } else if contact.symmetry {
         FEWEST_OF_HALF[degree.clamp(1, 3) - 1]

@@ -79,9 +79,12 @@ impl Display for Warning {
                 let [contrast, condition, error] = [digits(*contrast), digits(*condition), percent(*error)];
                 write!(f, "rounding may be {error} at a condition number of {condition}: {of} is {contrast} times as stiff as {soft}")
             }
-            Self::CoarseZone { of, closed, least } => {
-                write!(f, "the zone of {of} is too coarse: {closed} functions of the slave carry it, fewer than {least}")
-            }
+            Self::CoarseZone { of, closed, across, least } => match across {
+                Some(n) => {
+                    write!(f, "the zone of {of} is too coarse: about {n:.1} functions of the slave lie across it, fewer than {least}")
+                }
+                None => write!(f, "the zone of {of} is too coarse: {closed} functions of the slave carry it, fewer than {least}"),
+            },
             Self::LostMoment { of, apart, moment, share } => {
                 let (apart, moment) = (digits(*apart), digits(*moment));
                 write!(f, "{of} loses the moment {moment}, {}: its sides are up to {apart} apart", percent(*share))

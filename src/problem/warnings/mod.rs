@@ -53,6 +53,7 @@ mod soft_penalty;
 mod thin_cells;
 mod too_few_functions;
 mod warning;
+mod zone_extent;
 
 use super::model::Model;
 use super::state::StepState;

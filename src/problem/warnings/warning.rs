@@ -219,13 +219,17 @@ pub enum Warning {
         /// κ ε / 2.
         error: f64,
     },
-    /// Fewer than 4 functions per direction of the slave carry a contact zone that ends within the side; half as many of a half model.
+    /// Fewer than 4 functions of the slave lie across a contact zone in a direction in which it ends within the side; other numbers in half
+    /// models and from an axis of revolution on.
     CoarseZone {
         /// The contact.
         of: Subject,
         /// Number of functions that are closed.
         closed: usize,
-        /// The least number without a warning.
+        /// On surfaces the number of functions across the zone, from their second moments, in the direction in which it is least; `None` of
+        /// curves, and where none is closed.
+        across: Option<f64>,
+        /// The least number, on surfaces across the zone, without a warning.
         least: usize,
     },
     /// Slave elements of a contact of which the pieces of integration cover not all, or a part twice, though the opponent faces all of them,

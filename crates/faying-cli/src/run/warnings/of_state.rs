@@ -65,10 +65,13 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             ),
             "let the bodies begin nearer to their places in contact, hold them against sliding, or load them less",
         ),
-        Warning::CoarseZone { closed, least, .. } => (
+        Warning::CoarseZone { closed, across, least, .. } => (
             format!(
-                "the zone of contact \"{name}\" is too coarse: {closed} functions of the slave carry it, fewer than {least}; its force, pressure and \
-                 extent may be off by tens of percent"
+                "the zone of contact \"{name}\" is too coarse: {}, fewer than {least}; its force, pressure and extent may be off by tens of percent",
+                match across {
+                    Some(n) => format!("about {n:.1} functions of the slave lie across it"),
+                    None => format!("{closed} functions of the slave carry it"),
+                }
             ),
             "give the slave side smaller elements where it touches (elements, grade, refine)",
         ),
