@@ -13,6 +13,9 @@ use std::sync::Arc;
 /// Corners of a hexahedron, as bits per axis, on the six paths along its edges from (0, 0, 0) to (1, 1, 1): right-handed tetrahedra.
 const CORNERS: [[usize; 4]; 6] = [[0, 1, 3, 7], [0, 2, 6, 7], [0, 4, 5, 7], [0, 3, 2, 7], [0, 6, 4, 7], [0, 5, 1, 7]];
 
+/// Rounding errors of a coordinate that was computed, in units of its last place.
+const ROUNDINGS: f64 = 16.0;
+
 /// A tetrahedron cut from a cell of the grid.
 struct Tetrahedron {
     cell: usize,
@@ -57,7 +60,31 @@ pub(super) fn tetrahedra<const S: usize, const N: usize>(spec: &PatchSpec<N>) ->
     };
     let quality = quality(&*space)?;
     let sides = FacetTables::Facets(FacetSides { basis, map, named });
-    Ok(Mesh { grid: Some(grid), space, sides, quality, named: MeshPoints::default(), exact: spec.is_exact() })
+    let exact = exact || spec.is_exact() && (N < 3 || sides_have_degree(&grid, degree));
+    Ok(Mesh { grid: Some(grid), space, sides, quality, named: MeshPoints::default(), exact })
+}
+
+/// Whether the sides of a solid patch are polynomials of a total degree of at most `degree`, which triangles hold: products of two such
+/// have twice the degree.
+///
+/// On two slanted lines of every cell the differences of the order `degree` + 1 vanish up to rounding.
+fn sides_have_degree<const N: usize>(grid: &ElementGrid<N>, degree: usize) -> bool {
+    let lines = [[1.0, 1.0], [1.0, 0.5]]
+        .map(|slope| -> Vec<Vector<2>> { (0..=degree + 1).map(|k| Vector::from(slope) * (k as f64 / (degree + 1) as f64)).collect() });
+    let mut table = MapTable::new();
+    let mut is_polynomial = |map: &dyn Geometry<2, N>, element: usize, line: &[Vector<2>]| {
+        map.map(element, line, Order::Values, &mut table);
+        let size = table.x.iter().fold(0.0f64, |m, x| m.max(x.amax()));
+        let mut differences = table.x.clone();
+        while differences.len() > 1 {
+            differences = differences.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        }
+        differences[0].amax() <= ROUNDINGS * 2f64.powi(degree as i32 + 1) * f64::EPSILON * size
+    };
+    SideOf::all(N).into_iter().filter(|side| !grid.is_collapsed(*side)).all(|side| {
+        let map = grid.side_map::<2>(side);
+        (0..map.num_elements()).all(|element| lines.iter().all(|line| is_polynomial(&*map, element, line)))
+    })
 }
 
 /// Cuts all cells into tetrahedra with merged vertices.

@@ -9,6 +9,8 @@ use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 
 /// Jacobians below this share of the element's largest are zero: a collapsed edge, not an inversion.
 const ZERO: f64 = 1e-10;
+/// Rounding errors of a derivative, in units of the last place of the positions.
+const ROUNDINGS: f64 = 16.0;
 
 /// Range of degrees that sets the number of sample points: lower and higher ones are clamped to it.
 const DEGREES: [usize; 2] = [2, 4];
@@ -86,7 +88,10 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
     let mut quality = Quality { least_jacobian: f64::INFINITY, element: 0, at: Vector::zeros(), left_handed, degenerate: Vec::new() };
     for (element, s) in sampled.iter().enumerate() {
         let (least, most) = if left_handed { ((-s.most.0, s.most.1), (-s.least.0, s.least.1)) } else { (s.least, s.most) };
-        let zero = ZERO * least.0.abs().max(most.0.abs());
+        let largest = least.0.abs().max(most.0.abs());
+        // far from the origin the rounding of positions decides
+        let rounding = ROUNDINGS * f64::EPSILON * most.1.norm() / largest.powf(1.0 / N as f64);
+        let zero = largest * if rounding > ZERO { rounding } else { ZERO };
         // NaN fails this test, too
         let sound = least.0 >= -zero && most.0 > 0.0;
         if !sound {

@@ -115,7 +115,8 @@ fn combined<const N: usize, T: Real>(space: &dyn Space<2, N, T>) -> Result<Combi
         // NaN is not positive either
         if to_f64(weight[i]).is_nan() || to_f64(weight[i]) <= NO_WEIGHT * to_f64(area[i]) {
             let value = to_f64(weight[i]);
-            return Err(no_dual(format!("the lumped weight of function {i} on element {} is {value:.3e}, not positive", home[i])));
+            let word = if value > 0.0 { "zero up to rounding" } else { "not positive" };
+            return Err(no_dual(format!("the lumped weight of function {i} on element {} is {value:.3e}, {word}", home[i])));
         }
     }
     Ok(Combined { of, ids: all, sums, functions: n })

@@ -161,3 +161,93 @@ fn nothing_presses_where_bodies_only_slide() {
         assert!(result.warnings.is_empty(), "{method}: {:?}", result.warnings);
     }
 }
+
+/// Centres of discs and poles of spheres are points at any distance from the origin, where their sides have lengths by rounding.
+#[test]
+fn collapsed_edges_far_from_the_origin_are_points() {
+    let material = "[model]\nphysics = \"elasticity\"\ndimension = 3\n[[material]]\nname = \"m\"\nyoung = 1\npoisson = 0.3\n";
+    let patch = |name: &str, geometry: &str, elements: &str| {
+        format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ {geometry} }}\nelements = {elements}\n")
+    };
+    for (at, swapped) in
+        ["[0, 0, 0]", "[800, 0, 0]", "[707, 707, 0]", "[0, 0, 1e4]", "[1e5, 0, 0]"].into_iter().zip([false, true].into_iter().cycle())
+    {
+        let ball = |radii: &str| format!("kind = \"sphere-octant\", radius = {radii}, move = {at}");
+        let sides = if swapped { ["o.w0", "i.w1"] } else { ["i.w1", "o.w0"] };
+        let shells = material.to_owned()
+            + &patch("i", &ball("[0.6, 1.0]"), "[4, 4, 2]")
+            + &patch("o", &ball("[1.0, 1.5]"), "[3, 3, 2]")
+            + "[[boundary]]\non = [\"i.u0\", \"i.u1\", \"i.v0\", \"o.u0\", \"o.u1\", \"o.v0\"]\nfix = [\"normal\"]\n"
+            + &format!("[[contact]]\nname = \"fit\"\nslave = \"{}\"\nmaster = \"{}\"\ngap = \"g-0.001\"\n", sides[0], sides[1]);
+        let fit = &run(&shells).contact["fit"];
+        // after Lame
+        let lame = 5.613_590_798_775_984e-4;
+        assert!((fit.pressure.max / lame - 1.0).abs() < 2e-3 && (fit.pressure.min / lame - 1.0).abs() < 2e-3, "{at}: {fit:?}");
+        assert!((fit.area / (0.5 * std::f64::consts::PI) - 1.0).abs() < 1e-6, "{at}: {fit:?}");
+        let disc =
+            |z: f64| format!("kind = \"disc-sector\", radius = 1, angle_deg = [0, 90], extrude = 0.5, move = [{}, 0, {z}]", at.len() * 200);
+        let discs = material.to_owned()
+            + &patch("a", &disc(0.0), "[3, 3, 1]")
+            + &patch("b", &disc(0.5), "[4, 2, 1]")
+            + "[[boundary]]\non = [\"a.u0\", \"a.u1\", \"b.u0\", \"b.u1\", \"a.w0\"]\nfix = [\"normal\"]\n\
+               [[boundary]]\non = \"b.w1\"\npressure = 1e-3\n[[contact]]\nname = \"fit\"\nslave = \"a.w1\"\nmaster = \"b.w0\"\n";
+        let fit = &run(&discs).contact["fit"];
+        assert!((fit.pressure.max / 1e-3 - 1.0).abs() < 1e-4 && (fit.pressure.min / 1e-3 - 1.0).abs() < 1e-4, "{at}: {fit:?}");
+        assert!((fit.area / (0.25 * std::f64::consts::PI) - 1.0).abs() < 1e-9, "{at}: {fit:?}");
+    }
+}
+
+/// Without multipliers, too, the master's integrals by points of the slave are inexact, and on the same pieces they are not.
+#[test]
+fn inexact_integration_is_told_without_multipliers() {
+    let codes = |integration: &str, method: &str| -> (f64, Vec<&'static str>) {
+        let keys = format!("slave = \"lower.top\"\nmaster = \"upper.bottom\"\nmethod = \"{method}\"\nintegration = \"{integration}\"");
+        let result = run(&stacked(["backend = \"fe\"\ndegree = 3", "backend = \"fe\"\ndegree = 1"], &keys));
+        (result.contact["c"].consistency, result.warnings.iter().map(|w| w.code).collect())
+    };
+    for method in ["nitsche", "augmented", "lagrange"] {
+        let (error, warnings) = codes("slave", method);
+        assert!(error > 5e-3 && warnings.contains(&"E065") == (error > 1e-2), "{method}: {error} {warnings:?}");
+        let (error, warnings) = codes("merged", method);
+        assert!(error < 1e-9 && !warnings.contains(&"E065"), "{method}: {error} {warnings:?}");
+    }
+}
+
+/// A zone is as coarse as it is across, whatever its functions along a line of contact, and whatever crowds at a pole.
+#[test]
+fn zones_in_space_are_judged_across() {
+    // a quarter of a cylinder on a plane, of which Hertz' half width is a fifteenth of the radius
+    let cylinder = |elements: [usize; 3]| {
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 3\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+             [[patch]]\nname = \"c\"\nbackend = \"fe\"\nmapping = \"exact\"\n\
+             geometry = {{ kind = \"annulus-sector\", center = [0, 1], radius = [0.3, 1], angle_deg = [-90, 0], extrude = 0.5 }}\n\
+             elements = {elements:?}\ngrade = {{ toward = {{ u = 0.0, v = 1.0 }}, ratio = 0.08 }}\n\
+             [[boundary]]\non = [\"c.w0\", \"c.w1\"]\nfix = [\"z\"]\n[[boundary]]\non = \"c.u0\"\nfix = [\"x\"]\n\
+             [[boundary]]\non = \"c.u1\"\nrigid_force = {{ y = -0.000776767414349125 }}\n\
+             [[contact]]\nname = \"k\"\nslave = \"c.v1\"\nrigid = {{ kind = \"half-plane\", point = [0, 0, 0], normal = [0, 1, 0] }}\nsymmetry = true\n"
+        )
+    };
+    let hertz = 0.032_966_27;
+    for (elements, is_coarse) in [([5, 4, 8], true), ([16, 8, 2], false)] {
+        let result = run(&cylinder(elements));
+        let (off, told) =
+            (result.contact["k"].pressure.max / hertz - 1.0, result.warnings.iter().any(|w| w.message.contains("too coarse")));
+        assert!((off.abs() > 0.15) == is_coarse && told == is_coarse, "{elements:?}: {off} {:?}", result.warnings);
+    } // balls whose poles touch: 21 functions crowd there
+    let ball = |name: &str, place: &str, elements: &str, degree: usize| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"sphere-octant\", radius = [0.3, 1.0], {place} }}\nelements = {elements}\n\
+             backend = \"iga\"\ndegree = {degree}\ngrade = {{ toward = {{ v = 1.0, w = 1.0 }}, ratio = 0.1 }}\n"
+        )
+    };
+    let balls = "[model]\nphysics = \"elasticity\"\ndimension = 3\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n".to_owned()
+        + &ball("up", "rotate_deg = 180, axis = [1, 1, 0], move = [0, 0, 1.0]", "[5, 10, 5]", 2)
+        + &ball("lo", "move = [0, 0, -1.0]", "[6, 9, 5]", 3)
+        + "[[boundary]]\non = \"lo.v0\"\nfix = [\"z\"]\n[[boundary]]\non = [\"up.u0\", \"up.u1\", \"lo.u0\", \"lo.u1\"]\nfix = [\"normal\"]\n\
+           [[boundary]]\non = \"up.v0\"\nrigid_force = { z = -0.00018754578754578757 }\n\
+           [[contact]]\nname = \"k\"\nslave = \"lo.w1\"\nmaster = \"up.w1\"\n";
+    let result = run(&balls);
+    let off = result.contact["k"].pressure.max / 0.055_966_573 - 1.0;
+    assert!(off > 0.5 && result.warnings.iter().any(|w| w.message.contains("too coarse")), "{off} {:?}", result.warnings);
+}

@@ -140,3 +140,59 @@ fn slave_points_that_spoil_linear_fields_are_told_with_every_coupling() {
         }
     }
 }
+
+/// Where a tie carries nothing its forces are rounding, and no error is a share of them.
+#[test]
+fn a_tie_without_traction_has_no_doubt() {
+    // sigma . n = 0 on the interface, between turned grids
+    let exact = "[\"0.3*x + 0.1*y - 0.05*z\", \"0.04*x - 0.2*y + 0.02*z\", \"0.05*x - 0.02*y - 0.042857142857142864*z\"]";
+    let patch = |name: &str, geometry: &str, elements: &str| {
+        format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", {geometry} }}\nelements = {elements}\n")
+    };
+    for keys in ["coupling = \"nitsche\"", "integration = \"slave\"", "integration = \"mixed\"\nmultiplier = \"p/p\""] {
+        let text = format!("[model]\nphysics = \"elasticity\"\ndimension = 3\nexact = {{ u = {exact} }}\n")
+            + "[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n"
+            + &patch("lower", "min = [-1.1, -1.2, -1.0], max = [1.2, 1.3, 0.0]", "[2, 3, 1]")
+            + &patch("upper", "min = [-0.6, -0.5, 0.0], max = [0.55, 0.6, 0.8], rotate_deg = 45, axis = [0, 0, 1]", "[3, 2, 1]")
+            + "[[boundary]]\non = \"lower.bottom\"\ndirichlet = \"exact\"\n[[boundary]]\non = \"all-outer\"\nneumann = \"exact\"\n"
+            + &format!("[[interface]]\nname = \"s\"\nslave = \"upper.bottom\"\nmaster = \"lower.top\"\n{keys}\n");
+        let result = run(&text, &[]);
+        assert!(result.interface["s"].consistency < 1e-2 && error(&result, "error.u.H1") < 1e-10, "{keys}: {:?}", result.interface["s"]);
+        assert!(!result.warnings.iter().any(|w| w.code == "E065"), "{keys}: {:?}", result.warnings);
+    }
+}
+
+/// Products of squares have the total degree 4, which triangles of degree 2 and 3 do not hold: facets lie off the surface, and it is no error.
+#[test]
+fn tetrahedra_off_a_polynomial_surface_are_tied_across_their_gap() {
+    let net = |bottom: bool| {
+        let seam = |i: usize, j: usize| [0.0, 0.1, 0.0][i] + [0.0, 0.1, 0.0][j] + if i == 1 && j == 1 { 0.1 } else { 0.0 };
+        let point = |k: usize| {
+            let (i, j, up) = (k % 3, k / 3 % 3, k / 9 == 1);
+            let z = if up == bottom {
+                seam(i, j)
+            } else if bottom {
+                -1.0
+            } else {
+                1.0
+            };
+            format!("[{}, {}, {z}]", 0.5 * i as f64, 0.5 * j as f64)
+        };
+        let points: Vec<String> = (0..18).map(point).collect();
+        format!("kind = \"nurbs\", degree = [2, 2, 1], knots = [[0,0,0,1,1,1], [0,0,0,1,1,1], [0,0,1,1]], points = [{}]", points.join(", "))
+    };
+    for degree in [2, 3, 4] {
+        let text = format!(
+            "[model]\nphysics = \"poisson\"\ndimension = 3\n[discretization]\ndegree = {degree}\n[[material]]\nname = \"m\"\n\
+             [[patch]]\nname = \"A\"\ngeometry = {{ {} }}\nelements = [4, 4, 1]\n\
+             [[patch]]\nname = \"B\"\ngeometry = {{ {} }}\nelements = [4, 4, 1]\nbackend = \"fe\"\ncells = \"simplex\"\n\
+             [[boundary]]\non = \"A.w0\"\ndirichlet = 0\n[[boundary]]\non = \"B.w1\"\nneumann = 1\n\
+             [[interface]]\nname = \"s\"\nslave = \"A.w1\"\nmaster = \"B.w0\"\n",
+            net(true),
+            net(false)
+        );
+        let tie = &run(&text, &[]).interface["s"];
+        assert!((tie.distance < 1e-12) == (degree == 4) && tie.distance < 1e-3, "{degree}: {}", tie.distance);
+        assert!((tie.share - 1.0).abs() < 1e-9, "{degree}: {tie:?}");
+    }
+}
