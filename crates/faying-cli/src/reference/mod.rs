@@ -114,7 +114,8 @@ pub struct StoredSide {
     /// The patch's element behind every facet, then every coordinate of their origins, then of their axes, axis after axis.
     #[serde(skip)]
     pub facets: Vec<f64>,
-    /// lambda at the points of [`node_points`]: number = components * ((degree + 1)^S * element + node) + component.
+    /// lambda at the products of Chebyshev points, on triangles of collapsed coordinates: number =
+    /// components * ((degree + 1)^S * element + node) + component.
     #[serde(skip)]
     pub values: Vec<f64>,
 }
