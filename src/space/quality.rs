@@ -11,6 +11,8 @@ use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 const ZERO: f64 = 1e-10;
 /// Rounding errors of a derivative, in units of the last place of the positions.
 const ROUNDINGS: f64 = 16.0;
+/// The largest share that counts as rounding: an element that folds over by more is inverted, however far away and small it is.
+const MOST_ROUNDING: f64 = 1e-6;
 
 /// Range of degrees that sets the number of sample points: lower and higher ones are clamped to it.
 const DEGREES: [usize; 2] = [2, 4];
@@ -91,7 +93,7 @@ pub fn quality<const N: usize, T: Real, X: Space<N, N, T> + ?Sized>(space: &X) -
         let largest = least.0.abs().max(most.0.abs());
         // far from the origin the rounding of positions decides
         let rounding = ROUNDINGS * f64::EPSILON * most.1.norm() / largest.powf(1.0 / N as f64);
-        let zero = largest * if rounding > ZERO { rounding } else { ZERO };
+        let zero = largest * if rounding > ZERO { rounding.min(MOST_ROUNDING) } else { ZERO };
         // NaN fails this test, too
         let sound = least.0 >= -zero && most.0 > 0.0;
         if !sound {

@@ -27,7 +27,7 @@ const FEWEST_OF_HALF: usize = 3;
 /// Second moments of a zone over those of all that faces, above which the zone does not end in a direction.
 const WHOLE: f64 = 0.9;
 
-/// ZoneMoments over functions: weight, first and second moments of the centres, own second moments, degrees.
+/// Sums over functions: weight, first and second moments of the centres, own second moments, degrees.
 struct ZoneMoments<const N: usize> {
     weight: f64,
     first: Vector<N>,
@@ -125,8 +125,12 @@ impl<const N: usize> ZoneExtent<N> {
     }
 
     /// The number of functions across the zone, of the directions in which it ends within what faces the opponent that with the fewest, and how
-    /// many there should be; `None` if it ends in neither.
+    /// many there should be; `None` if it ends in neither, or has no area.
     pub(super) fn across(&self) -> Option<(f64, usize)> {
+        // decompositions of what is no number need not end
+        if !(self.closed.weight > 0.0 && self.facing.weight.is_finite()) {
+            return None;
+        }
         let ([between, own], [facing, wide]) = (self.closed.moments(), self.facing.moments());
         let degree = self.closed.degree / self.closed.weight;
         let eigen = (&between + &own).symmetric_eigen();
