@@ -152,6 +152,39 @@ fn p_over_p_is_lowered_along_whole_edges() {
     assert!(error.to_string().contains("where its first direction ends"), "{error}");
 }
 
+/// An octant of degree 2 on 4 x 3 elements: 6 functions along every parallel, of which 4 rows and the pole.
+#[test]
+fn an_edge_that_is_a_pole_is_lowered_with_its_function() {
+    for kind in [Kind::Nurbs, Kind::Hexahedra] {
+        let octant = shapes::sphere_octant([0.0; 3], [1.0, 2.0]).unwrap();
+        let body = kind.body(&PatchSpec::new(octant).with_degree([2; 3]).with_elements([4, 3, 1]));
+        let space = body.trace("w1").unwrap().space;
+        let [m, n] = if kind == Kind::Nurbs { [6, 5] } else { [9, 7] };
+        assert_eq!(space.num_functions(), m * (n - 1) + 1, "{kind:?}");
+        // on all elements of a parallel there is no function but that of the pole
+        let active = |e: usize| {
+            let mut ids = Vec::new();
+            space.active(e, &mut ids);
+            ids
+        };
+        let of_all = |row: usize| active(4 * row).into_iter().filter(move |i| (1..4).all(|e| active(4 * row + e).contains(i)));
+        let poles: Vec<usize> = (0..3).flat_map(of_all).collect();
+        let [pole] = poles[..] else { panic!("{kind:?}: {poles:?}") };
+        let meridian: Vec<usize> = (0..n - 1).map(|j| m * j).collect();
+        assert!(!meridian.contains(&pole), "{kind:?}");
+        let count = |held: &dyn Fn(usize) -> bool| {
+            let psi = build_on_surface(&space, MultiplierKind::Lowered(0), held).unwrap();
+            keeps_the_rules(&*psi, true, &format!("{kind:?}"));
+            psi.num_functions()
+        };
+        assert_eq!(count(&|_| false), m * (n - 1) + 1, "{kind:?}");
+        // as many as functions are left
+        assert_eq!(count(&|i| i == pole), m * (n - 1), "{kind:?}");
+        assert_eq!(count(&|i| i == pole || meridian.contains(&i)), (m - 1) * (n - 1), "{kind:?}");
+        assert_eq!(count(&|i| meridian.contains(&i)), (m - 1) * (n - 1) + 1, "{kind:?}");
+    }
+}
+
 /// Values and sums of a multiplier as its users need them; the derivatives of functions that are constant on an element, as in the corner
 /// of a side that is held, are round-off, which the rules of a basis do not allow.
 fn keeps_the_rules(psi: &dyn Basis<2>, held: bool, what: &str) {

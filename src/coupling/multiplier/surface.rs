@@ -5,7 +5,7 @@ use super::edges::{ALL, Grid};
 use super::handed_on::handed_on;
 use super::kind::{functions_of, known_here, polynomials_of};
 use super::{Ends, MultiplierError, MultiplierKind, SideEnd, end_lowered};
-use crate::basis::{Basis, TensorProduct};
+use crate::basis::Basis;
 use crate::linalg::Real;
 use crate::space::Space;
 use std::sync::Arc;
@@ -15,7 +15,8 @@ use std::sync::Arc;
 /// `constrained`: whether a function of the side is constrained in this component (prescribed, or on a cross point or edge). Where the
 /// functions are products of those of two directions, polynomials are products, too, and their inf-sup constant is the product of those
 /// of the directions: the degree across an edge is lowered along the whole edge if a function within it is constrained, and a constrained
-/// corner alone lowers the shorter one of its edges. On all other sides every constrained function gives its multiplier to one beside it: the space
+/// corner alone lowers the shorter one of its edges. An edge that is a pole is lowered if its function is constrained; the multipliers along it
+/// are then apart. On all other sides every constrained function gives its multiplier to one beside it: the space
 /// then holds constants along constrained edges, and loses half an order in L2 there. Of p/p-k and constants
 /// nothing is lowered.
 ///
@@ -60,8 +61,13 @@ pub fn build_on_surface<const N: usize, T: Real>(
     let always = matches!(kind, MultiplierKind::Uniform { ends: Ends::Lowered, .. });
     let grid = Grid::of(basis).and_then(|grid| Some((grid.polynomials(polynomials_of(basis, kind)?)?, grid)));
     if let Some((axes, grid)) = grid {
-        let edges = if always { [[true; 2]; 2] } else { grid.constrained_edges(&**space, constrained) };
-        return if edges == [[false; 2]; 2] { Ok(found) } else { lowered(axes, edges) };
+        let edges = if always { grid.edges() } else { grid.constrained_edges(&**space, constrained) };
+        if edges == [[false; 2]; 2] {
+            return Ok(found);
+        }
+        if let Some(product) = grid.product(lowered(axes, edges)?, edges) {
+            return Ok(product);
+        }
     }
     if always {
         return Err(MultiplierError::NotHere { wanted: kind.to_string(), degree: super::least_degree(basis), known: known() });
@@ -71,8 +77,8 @@ pub fn build_on_surface<const N: usize, T: Real>(
     if constrained.contains(&true) && numbered_alike(&*found, basis) { handed_on(found, &constrained) } else { Ok(found) }
 }
 
-/// The product of `axes`, each of a degree less at the ends of `edges`.
-fn lowered<T: Real>(axes: [Box<dyn Basis<1, T>>; 2], edges: [[bool; 2]; 2]) -> Result<Box<dyn Basis<2, T>>, MultiplierError> {
+/// The `axes`, each of a degree less at the ends of `edges`.
+fn lowered<T: Real>(axes: [Box<dyn Basis<1, T>>; 2], edges: [[bool; 2]; 2]) -> Result<[Box<dyn Basis<1, T>>; 2], MultiplierError> {
     let ends = |k: usize, elements: usize| -> Vec<SideEnd> {
         let of = |end: usize| SideEnd { element: if end == 0 { 0 } else { elements - 1 }, at: end };
         ALL.into_iter().filter(|&(axis, end)| axis == k && edges[k][end]).map(|(_, end)| of(end)).collect()
@@ -89,7 +95,7 @@ fn lowered<T: Real>(axes: [Box<dyn Basis<1, T>>; 2], edges: [[bool; 2]; 2]) -> R
         })
     });
     let mut next = || lowered.next().expect("two directions");
-    Ok(Box::new(TensorProduct::new([next()?, next()?])))
+    Ok([next()?, next()?])
 }
 
 /// Whether the functions of both bases have the same numbers on every element.
