@@ -23,11 +23,15 @@ pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// E003 for a file that a case names and that cannot be read, with similar names in its folder.
-fn cannot_open(name: &str, path: &Path, why: &str, missing: bool) -> Diagnostic {
+/// What to name where a mesh or a geometry cannot be read.
+const MESH: &str = "name a file of a mesh or a geometry that may be read";
+/// What to name where a stored run cannot be read.
+const STORED: &str = "`faying run CASE --save-reference FILE` writes stored runs";
+
+/// E003 for a file that a case names and that cannot be read, with `wanted`, or with similar names in its folder where it is missing.
+fn cannot_open(name: &str, path: &Path, why: &str, missing: bool, wanted: &str) -> Diagnostic {
     if !missing {
-        return Diagnostic::error("E003", format!("cannot read {name}: {why}"))
-            .with_help("name a file of a mesh or a geometry that may be read");
+        return Diagnostic::error("E003", format!("cannot read {name}: {why}")).with_help(wanted);
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let d = Diagnostic::error("E003", format!("there is no file {name}"));
@@ -101,8 +105,8 @@ impl Reader {
         }
     }
 
-    /// Bytes of a file that the case names, recorded among its files; errors are reported at `file`.
-    fn bytes_of(&mut self, file: &Located<String>, most: Option<u64>) -> Option<Vec<u8>> {
+    /// Bytes of a file that the case names, recorded among its files; errors are reported at `file` and ask for what is `wanted`.
+    fn bytes_of(&mut self, file: &Located<String>, most: Option<u64>, wanted: &str) -> Option<Vec<u8>> {
         let path = self.path_of(&file.value);
         match bytes_at(&path, most) {
             Ok(bytes) => {
@@ -110,7 +114,7 @@ impl Reader {
                 Some(bytes)
             }
             Err(FileError::System { missing, message }) => {
-                self.push(file.at, cannot_open(&short(&file.value), &path, &message, missing));
+                self.push(file.at, cannot_open(&short(&file.value), &path, &message, missing, wanted));
                 None
             }
             Err(e) => {
@@ -128,7 +132,7 @@ impl Reader {
             return known.contents.clone();
         }
         let memory = self.memory;
-        let contents = self.bytes_of(file, memory).and_then(|bytes| {
+        let contents = self.bytes_of(file, memory, MESH).and_then(|bytes| {
             let mut included = Vec::new();
             let folder = path.parent().unwrap_or(Path::new("")).to_owned();
             let mut include = |name: &str| {
@@ -153,7 +157,7 @@ impl Reader {
 
     /// The text of a small file beside the geometry.
     pub fn open_list(&mut self, file: &Located<String>) -> Option<Vec<u8>> {
-        let mut bytes = self.bytes_of(file, Some(self.memory.map_or(LONGEST_LIST, |m| m.min(LONGEST_LIST))))?;
+        let mut bytes = self.bytes_of(file, Some(self.memory.map_or(LONGEST_LIST, |m| m.min(LONGEST_LIST))), MESH)?;
         // the byte order mark is not part of the text
         if bytes.starts_with(faying_files::BYTE_ORDER_MARK) {
             bytes.drain(..faying_files::BYTE_ORDER_MARK.len());
@@ -164,13 +168,13 @@ impl Reader {
     /// The stored run of a file.
     pub fn open_reference(&mut self, file: &Located<String>) -> Option<Arc<StoredRun>> {
         let memory = self.memory;
-        let bytes = self.bytes_of(file, memory)?;
+        let bytes = self.bytes_of(file, memory, STORED)?;
         match reference::read(&bytes, &Limits { memory }) {
             Ok(run) => Some(Arc::new(run)),
             Err(e) => {
                 let help = match e {
                     FileError::Memory { .. } => "raise --max-memory, or store a coarser run",
-                    _ => "`faying run CASE --save-reference FILE` writes stored runs",
+                    _ => STORED,
                 };
                 self.fault(codes::of_file(&e), file.at, format!("{}: {e}", short(&file.value)), help);
                 None
