@@ -8,7 +8,7 @@ use super::feasible_step::{feasible_step, into_cell};
 use super::opposed::Facing;
 use super::{Bounds, Geometry, MapTable, Tree, cell};
 use crate::basis::{Cell, Order, ScratchSlot};
-use crate::linalg::{Matrix, Real, Vector, inverse, lit, num};
+use crate::linalg::{Matrix, Real, Vector, lit, num};
 use crate::parallel;
 use std::cell::RefCell;
 use std::sync::OnceLock;
@@ -32,8 +32,6 @@ pub(super) const SAME_FACE: f64 = 1e-9;
 const BEYOND: f64 = 1e-9;
 /// Steps of Newton's method; it converges in three to six.
 const STEPS: usize = 60;
-/// Steps of Newton's method for a point in a volume before all elements are searched.
-const INVERSION_STEPS: usize = 12;
 
 /// The closest point of a map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -232,36 +230,6 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
             self.polish(x, &mut best, table);
         }
         Some(Projection { element: best.element, xi: best.xi, x: best.x, distance: best.distance, rim: false })
-    }
-
-    /// The place of `p` in an element of a volume (D = N) that holds it, by Newton's method from the centre of the cell; `None` where that
-    /// fails, which does not say that `p` is outside.
-    fn inside(&self, p: &Vector<N, T>, table: &mut MapTable<D, N, T>) -> Option<Projection<D, N, T>> {
-        if D != N || D > 3 {
-            return None;
-        }
-        let done = (self.size + p.amax()) * T::default_epsilon() * lit(4.0);
-        self.tree.meeting(&Bounds { lo: *p, hi: *p }).into_iter().find_map(|element| {
-            let kind = self.geometry.cell(element);
-            let mut xi = cell::center::<D, T>(kind);
-            for _ in 0..INVERSION_STEPS {
-                self.geometry.map(element, &[xi], Order::Gradients, table);
-                let (x, j) = (table.x[0], table.jacobian[0]);
-                let away = p - x;
-                let distance = away.norm();
-                if distance <= done {
-                    return Some(Projection { element, xi, x, distance, rim: false });
-                }
-                // D = N
-                let square = Matrix::<D, D, T>::from_fn(|i, k| j[(i, k)]);
-                let next = into_cell(kind, xi + inverse(&square)? * Vector::<D, T>::from_fn(|i, _| away[i]));
-                if (next - xi).amax() <= T::default_epsilon() {
-                    return None;
-                }
-                xi = next;
-            }
-            None
-        })
     }
 
     /// The point of one element closest to `x`, without its `rim`.

@@ -13,6 +13,7 @@ mod feasible_step;
 mod foot;
 mod frame;
 mod hull;
+mod inversion;
 mod net;
 mod net_moves;
 mod opposed;
