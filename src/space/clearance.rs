@@ -72,10 +72,23 @@ impl<'a, const S: usize, const N: usize, T: Real> Skin<'a, S, N, T> {
     }
 }
 
+/// Place of a point between the centre and a corner: 0.21 on an edge from 0 to 1.
+const BETWEEN: f64 = 0.58;
+
 /// Points of a facet at which its distance is measured: the centre first.
 pub fn skin_points<const S: usize, T: Real>(kind: Cell) -> Vec<Vector<S, T>> {
     let mut points = vec![cell::center::<S, T>(if S == 1 { Cell::Tensor } else { kind })];
     points.extend(cell::grid::<S, T>(kind, if S == 1 { 5 } else { 3 }));
+    points
+}
+
+/// [`skin_points`], and points towards the corners that are no nodes of elements of degrees 1 to 10: a facet whose nodes lie on the surface may
+/// leave it between them.
+fn between_nodes<const S: usize, T: Real>(kind: Cell) -> Vec<Vector<S, T>> {
+    let mut points = skin_points::<S, T>(kind);
+    let centre = points[0];
+    let corners = cell::corners::<S, T>(if S == 1 { Cell::Tensor } else { kind });
+    points.extend(corners.into_iter().map(|corner| centre + (corner - centre) * lit::<T>(BETWEEN)));
     points
 }
 
@@ -186,7 +199,7 @@ pub fn clearance<const S: usize, const N: usize, T: Real>(
         let boxes = from.0.space.all_bounds();
         for (f, bounds) in boxes.iter().enumerate() {
             let reach = (bounds.diagonal() * share).max(floor);
-            let points = raised(from.0, from.1, f, &skin_points(from.0.space.cell(f)), &mut table);
+            let points = raised(from.0, from.1, f, &between_nodes(from.0.space.cell(f)), &mut table);
             let weight = bounds.diagonal().powi(S as i32) / num(points.len());
             for point in &points {
                 let seen = at.iter().filter_map(|skin| skin.sight(point, reach, floor, &mut table));

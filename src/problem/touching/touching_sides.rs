@@ -17,6 +17,9 @@ const CLOSE: f64 = 1e-3;
 const REACH: f64 = 4.0;
 /// Distance of the points near the corners of a facet from them, as a share of the facet: sides that overlap by less do not touch.
 const INSET: f64 = 1e-3;
+/// Greatest growth of the gap beside the centre of a facet, as a share of the way, where the centre lies on the rim of a side: with more both sides
+/// only meet in an edge.
+const INCLINED: f64 = 0.3;
 
 /// Result of the search for touching sides.
 #[derive(Debug, Default)]
@@ -69,13 +72,14 @@ pub(super) fn touching_sides<const S: usize, const N: usize>(
     }
     let used: BTreeSet<usize> = allowed.iter().filter(|(_, ok)| **ok).map(|(&(_, b), _)| b).collect();
     let skins: BTreeMap<usize, Skin<'_, S, N>> = used.into_iter().map(|b| (b, Skin::new(&sides[b].trace, &sags[b]))).collect();
-    // the sides nearest to a point of facet i, among those near it
-    let nearest = |i: usize, point: &SkinPoint<N>, near: &BTreeMap<usize, f64>, table: &mut MapTable<S, N>| {
+    // the sides nearest to a point of facet i, among those near it, that some of the points beside it see alike
+    let nearest = |i: usize, point: &SkinPoint<N>, beside: &[SkinPoint<N>], near: &BTreeMap<usize, f64>, table: &mut MapTable<S, N>| {
         let close = boxes[i].diagonal() * CLOSE;
         let near = near.iter().filter(|(b, _)| allowed[&(facets[i].0, **b)]);
         let mut at: Vec<(usize, f64, Sight)> =
             near.filter_map(|(&b, &r)| Some((b, r, skins[&b].sight(point, r * (1.0 + SAME_PLACE), floor, table)?))).collect();
         at.retain(|(_, _, s)| tolerance.map_or_else(|| s.nearly(close), |t| s.distance <= t));
+        at.retain(|(b, r, s)| faces_beside(&skins[b], (point, s), beside, (*r, floor), table));
         let far = |s: &Sight| if tolerance.is_some() { s.distance } else { s.gap.abs() };
         let least = at.iter().map(|(_, _, s)| far(s)).fold(f64::INFINITY, f64::min);
         at.retain(|(_, _, s)| far(s) <= least + floor);
@@ -87,16 +91,17 @@ pub(super) fn touching_sides<const S: usize, const N: usize>(
         }
         let looked_at = looked_at(i, table);
         let at_corners = looked_at.iter().zip(&candidates[i]).skip(1).map(|(point, near)| {
-            let at = nearest(i, point, near, table);
+            let at = nearest(i, point, &[], near, table);
             at.iter().filter(|(_, _, s)| tolerance.is_some() || s.touches(floor)).map(|(b, _, _)| *b).collect()
         });
         let at_corners: Vec<Vec<usize>> = at_corners.collect();
-        let at = nearest(i, &looked_at[0], &candidates[i][0], table);
+        let (a, f) = facets[i];
+        let trace = &sides[a].trace;
+        let beside = raised(trace, &sags[a], f, &beside_centre(trace.space.cell(f)), table);
+        let at = nearest(i, &looked_at[0], &beside, &candidates[i][0], table);
         if at.is_empty() {
             return (Seen::new(), at_corners);
         }
-        let (a, f) = facets[i];
-        let trace = &sides[a].trace;
         let points = raised(trace, &sags[a], f, &skin_points(trace.space.cell(f)), table);
         let weight = boxes[i].diagonal().powi(S as i32) / points.len() as f64;
         let seen = at.iter().map(|(b, reach, first)| {
@@ -133,6 +138,26 @@ fn centre_and_corners<const S: usize>(kind: Cell) -> Vec<Vector<S>> {
     let centre = skin_points::<S, f64>(kind)[0];
     let corners = cell::corners::<S, f64>(if S == 1 { Cell::Tensor } else { kind });
     std::iter::once(centre).chain(corners.into_iter().map(|x| x + (centre - x) * (2.0 * INSET))).collect()
+}
+
+/// Whether points `beside` a point see a side as the point itself does: all of them, or some with the gap that the point sees, within `reach`.
+fn faces_beside<const S: usize, const N: usize>(
+    skin: &Skin<'_, S, N>,
+    (point, sight): (&SkinPoint<N>, &Sight),
+    beside: &[SkinPoint<N>],
+    (reach, floor): (f64, f64),
+    table: &mut MapTable<S, N>,
+) -> bool {
+    let lengths = beside.iter().map(|p| (p.x - point.x).norm());
+    let seen: Vec<(Option<Sight>, f64)> = beside.iter().zip(lengths).map(|(p, l)| (skin.sight(p, reach + l, floor, table), l)).collect();
+    let alike = |(other, length): &(Option<Sight>, f64)| other.is_some_and(|o| (o.gap - sight.gap).abs() <= length * INCLINED + floor);
+    seen.iter().all(|(other, _)| other.is_some()) || seen.iter().any(alike)
+}
+
+/// Points beside the centre of a cell.
+fn beside_centre<const S: usize>(kind: Cell) -> Vec<Vector<S>> {
+    let points = centre_and_corners::<S>(kind);
+    points[1..].iter().map(|corner| points[0] + (corner - points[0]) * INSET).collect()
 }
 
 /// Adds pairs of sides that touch by corners alone, with a share of zero, and finds the sides of which a corner lies on no other; given the

@@ -473,3 +473,61 @@ fn walls_with_any_joints_are_tied_everywhere() {
         assert!(error < 1e-11, "{k}: {error:e}\n{text}");
     }
 }
+
+/// A plate below a block that leans on it, one side of the block 59 degrees from the plate: `n` elements along all directions, so that the edge
+/// between both sides passes through the middle of facets of the plate where `n` is odd.
+fn leaning(n: usize, interface: &str) -> String {
+    let solid = |name: &str, x: [f64; 2], z: f64| {
+        let corner = |c: usize| {
+            let shift = if c < 4 { 0.0 } else { 0.3 };
+            format!("[{}, {}, {}]", x[c % 2] + shift, c / 2 % 2, if c < 4 { z } else { z + 0.5 })
+        };
+        let points: Vec<String> = (0..8).map(corner).collect();
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"nurbs\", degree = [1, 1, 1], \
+             knots = [[0, 0, 1, 1], [0, 0, 1, 1], [0, 0, 1, 1]], points = [{}] }}\nelements = [{n}, {n}, {n}]\n",
+            points.join(", ")
+        )
+    };
+    "[model]\nphysics = \"elasticity\"\ndimension = 3\nexact = { u = [\"0.001*x\", \"0.002*z\", \"0.001*y\"] }\n\
+     [[material]]\nname = \"m\"\nyoung = 1\npoisson = 0.3\n"
+        .to_owned()
+        + &solid("plate", [0.0, 1.0], 0.0)
+        + &solid("block", [0.3, 0.8], 0.5)
+        + "[[boundary]]\non = \"plate.w0\"\ndirichlet = \"exact\"\n[[boundary]]\n\
+           on = [\"block.w1\", \"block.u0\", \"block.u1\", \"block.v0\", \"block.v1\", \"plate.u0\", \"plate.u1\", \"plate.v0\", \"plate.v1\"]\n\
+           traction = \"exact\"\n"
+        + interface
+}
+
+/// Sides that have only an edge in common do not touch: they are neither tied nor told.
+#[test]
+fn sides_that_meet_in_an_edge_alone_do_not_touch() {
+    let folder = TempDir::new().unwrap();
+    for n in [2, 3, 5] {
+        for interface in ["between = \"all\"", "slave = \"block.w0\"\nmaster = \"plate.w1\""] {
+            let result = run(folder.path(), &leaning(n, &format!("[[interface]]\nname = \"t\"\n{interface}\n")));
+            assert_eq!(tied(&result), (vec![pair("block.w0", "plate.w1")], vec![]), "{n} {interface}");
+        }
+    }
+}
+
+/// One quadratic element on a quarter of a ring: its nodes lie on the circle, its middle does not.
+#[test]
+fn an_element_that_leaves_its_arc_between_its_nodes_is_tied_by_name_with_a_warning() {
+    let folder = TempDir::new().unwrap();
+    let ring = |name: &str, radius: &str, more: &str| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"annulus-sector\", radius = {radius}, angle_deg = [0, 90], extrude = 1 }}\n\
+             elements = [1, 1, 2]\ndegree = 2\n{more}\n"
+        )
+    };
+    let text = "[model]\nphysics = \"poisson\"\ndimension = 3\n[[material]]\nname = \"m\"\n".to_owned()
+        + &ring("inner", "[1, 1.5]", "backend = \"fe\"")
+        + &ring("outer", "[1.5, 2]", "")
+        + "[[boundary]]\non = \"inner.v0\"\ndirichlet = 1.0\n[[boundary]]\non = \"outer.v1\"\ndirichlet = 0.0\n\
+           [[interface]]\nname = \"t\"\nslave = \"inner.v1\"\nmaster = \"outer.v0\"\n";
+    let (sides, warnings) = tied(&run(folder.path(), &text));
+    assert_eq!(sides, [pair("inner.v1", "outer.v0")]);
+    assert!(warnings.len() == 1 && warnings[0].contains("tied because they are named"), "{warnings:?}");
+}
