@@ -26,7 +26,7 @@ impl<'a, T: Real> Grid<'a, T> {
     pub fn of(basis: &'a dyn Basis<2, T>) -> Option<Self> {
         let structure = basis.structure();
         let (block, ids) = match structure.patches().as_deref() {
-            Some([patch]) => (patch.block.clone(), patch.ids.clone()),
+            Some([patch]) => (patch.block, patch.ids.clone()),
             Some(_) => return None,
             None => (structure.block(0)?, (0..basis.num_functions()).collect()),
         };

@@ -230,7 +230,9 @@ impl Quantity {
             return wrong("an empty text is no quantity");
         }
         for (word, rest) in [("at", "[x, y]"), ("in", "PATCH"), ("about", "[x, y]")] {
-            if let Some(head) = trimmed.strip_suffix(word).filter(|head| head.ends_with(' ')) {
+            // a patch may have the name of a word
+            let alone = |head: &&str| head.ends_with(' ') && !head.trim_end().ends_with(" in");
+            if let Some(head) = trimmed.strip_suffix(word).filter(alone) {
                 return wrong(format!("nothing stands after `{word}`; write {} {word} {rest}", head.trim()));
             }
         }
@@ -463,6 +465,13 @@ mod tests {
             kind("reaction.bracket.\"top face\".y"),
             QuantityKind::Path(["reaction", "bracket", "top face", "y"].map(String::from).to_vec())
         );
+    }
+
+    #[test]
+    fn patches_may_have_the_names_of_words() {
+        for name in ["in", "at", "about"] {
+            assert!(Quantity::parse(&format!("u.x at [0, 0] in {name}")).is_ok(), "{name}");
+        }
     }
 
     #[test]
