@@ -167,7 +167,7 @@ impl Obstacle<1, 2> for Bar {
 /// The arch under a bar that has moved down by 0.01: forces of the bar and of both supports.
 pub fn pressed(wood: Orthotropic, bar: Bar) -> Result<[[f64; 2]; 2], Box<dyn std::error::Error>> {
     let mut p = Problem::<1, 2>::new();
-    let arch = p.body("arch", Arch::new([16, 4]), wood)?;
+    let arch = p.body("arch", Arch::new([32, 8]), wood)?;
     for end in ["left", "right"] {
         p.fix(arch.side(end), Components::All)?;
     }

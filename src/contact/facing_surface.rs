@@ -185,4 +185,7 @@ impl Obstacle<2, 3> for FacingSurface {
         let hit = self.hit(x, outward, foot);
         Some(self.across_edge(x, outward, &hit).unwrap_or(hit))
     }
+    fn extent(&self) -> Option<Bounds<3>> {
+        self.closest.tree().bounds()
+    }
 }

@@ -17,6 +17,7 @@ mod obstacles;
 mod outline;
 mod pressed;
 mod pressure;
+mod rims;
 mod several;
 mod surface;
 mod surface_feet;
@@ -24,6 +25,7 @@ mod surface_outline;
 mod tail;
 mod torus;
 
+use crate::geometry::Bounds;
 use crate::linalg::{Real, Vector};
 use std::fmt::Debug;
 
@@ -40,6 +42,7 @@ pub use method::{Augmented, Begun, ContactAt, ContactMethod, Lagrange, MethodErr
 pub use obstacles::{HalfPlane, Moved, Sphere};
 pub use outline::{OutlineError, OutlinePiece, body_outline, curve_outline, pieces, without_seams};
 pub use pressure::ContactResultants;
+pub use rims::points_at_rims;
 pub use surface::Surface;
 pub use surface_outline::surface_outline;
 pub use torus::Torus;
@@ -73,6 +76,11 @@ pub trait Obstacle<const D: usize, const N: usize, T: Real = f64>: Debug + Send 
     ///
     /// Obstacles with one closest point may ignore `outward`: hits that do not oppose it are dropped ([`opposed`]).
     fn project(&self, x: &Vector<N, T>, outward: &Vector<N, T>) -> Option<Hit<D, N, T>>;
+
+    /// A box that holds the whole obstacle: small ones are searched for within elements. `None` if it has no end, or the box is not known.
+    fn extent(&self) -> Option<Bounds<N, T>> {
+        None
+    }
 }
 
 /// The hit of `obstacle` for a slave point with the normal `outward`, if it opposes that; a gap that is no number is kept, to be reported.
@@ -88,10 +96,16 @@ impl<const D: usize, const N: usize, T: Real, X: Obstacle<D, N, T> + ?Sized> Obs
     fn project(&self, x: &Vector<N, T>, outward: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         (**self).project(x, outward)
     }
+    fn extent(&self) -> Option<Bounds<N, T>> {
+        (**self).extent()
+    }
 }
 
 impl<const D: usize, const N: usize, T: Real, X: Obstacle<D, N, T> + ?Sized> Obstacle<D, N, T> for std::sync::Arc<X> {
     fn project(&self, x: &Vector<N, T>, outward: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         (**self).project(x, outward)
+    }
+    fn extent(&self) -> Option<Bounds<N, T>> {
+        (**self).extent()
     }
 }

@@ -1,6 +1,7 @@
 //! Rigid obstacles: half-plane, sphere, and translations of obstacles.
 
 use super::{Hit, Obstacle};
+use crate::geometry::Bounds;
 use crate::linalg::{Real, Vector};
 
 /// The points behind a line (2D) or plane (3D).
@@ -43,6 +44,9 @@ impl<const D: usize, const N: usize, T: Real> Obstacle<D, N, T> for Sphere<N, T>
         let closest = self.center + out * self.radius;
         Some(Hit { x: closest, normal, gap: (x - closest).dot(&normal), at: None })
     }
+    fn extent(&self) -> Option<Bounds<N, T>> {
+        Some(Bounds { lo: self.center, hi: self.center }.inflated(self.radius))
+    }
 }
 
 /// A translated target.
@@ -58,6 +62,9 @@ impl<X: Obstacle<D, N, T>, const D: usize, const N: usize, T: Real> Obstacle<D, 
     fn project(&self, x: &Vector<N, T>, outward: &Vector<N, T>) -> Option<Hit<D, N, T>> {
         let hit = self.target.project(&(x - self.by), outward)?;
         Some(Hit { x: hit.x + self.by, ..hit })
+    }
+    fn extent(&self) -> Option<Bounds<N, T>> {
+        self.target.extent().map(|b| Bounds { lo: b.lo + self.by, hi: b.hi + self.by })
     }
 }
 

@@ -5,7 +5,7 @@ use super::several::Several;
 use super::{Hit, Location, Obstacle, opposes};
 use crate::basis::Order;
 use crate::coupling::interface::{MasterCurve, Partner};
-use crate::geometry::{Geometry, MapTable, Oriented, unit_normal};
+use crate::geometry::{Bounds, Geometry, MapTable, Oriented, unit_normal};
 use crate::linalg::{Real, Vector, lit};
 use crate::space::Trace;
 use std::sync::Arc;
@@ -111,5 +111,9 @@ impl<T: Real> Obstacle<1, 2, T> for Surface<T> {
         let hit = self.hit(x, self.master.place_opposed(x, outward)?)?;
         let within = |other: &Hit<1, 2, T>| self.reach.is_none_or(|r| other.gap.abs() <= r);
         Some(self.across_corner(x, outward, &hit).filter(within).unwrap_or(hit))
+    }
+    fn extent(&self) -> Option<Bounds<2, T>> {
+        let map = self.master.geometry();
+        map.all_bounds().into_iter().reduce(|a, b| a.union(&b))
     }
 }

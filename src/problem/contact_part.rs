@@ -14,9 +14,9 @@ use super::tie_part::{finer_segments, points_of};
 use super::touching::explained;
 use crate::assembly::gauss_rules;
 use crate::basis::{Basis, Elements};
-use crate::contact::{Cone, ContactError, ContactKinematics, ContactRows};
+use crate::contact::{Cone, ContactError, ContactKinematics, ContactRows, points_at_rims};
 use crate::coupling::consistency::ConsistencyEstimate;
-use crate::coupling::interface::{InterfaceQuadrature, Partners, slave_segments};
+use crate::coupling::interface::{InterfaceQuadrature, Partners};
 use crate::coupling::multiplier::{MultiplierError, PiecewiseConstant};
 use crate::coupling::{Coupling, Interface, Mortar, Rows, Segments, Side};
 use crate::linalg::Vector;
@@ -26,6 +26,9 @@ use std::sync::Arc;
 
 /// Components of a unit vector below this count as zero.
 const PERPENDICULAR: f64 = 1e-9;
+
+/// Most places of a moving obstacle, but for the last one, at whose rims elements are divided.
+const MOST_PLACES: usize = 4;
 
 /// A slave side of a contact to be built.
 pub(super) struct SlaveOf<'a, const S: usize, const N: usize> {
@@ -141,7 +144,10 @@ where
         // an obstacle has no quadrature points of its own: mixed integration uses those of the slave
         if let Some(obstacle) = &contact.obstacle {
             let points = gauss_rules(&*slave.trace.space, extra_points);
-            let segments = self.revolved(slave_segments(&*slave.trace.space, &points), slave);
+            let times = setup.times_of(obstacle.changes);
+            let places: Vec<_> =
+                times.iter().step_by(times.len().div_ceil(MOST_PLACES)).chain(times.last()).map(|&t| obstacle.target(t, None)).collect();
+            let segments = self.revolved(points_at_rims(&slave.trace, &places, &points), slave);
             return Ok((Opposing::Rigid(Arc::clone(obstacle), segments), None, None));
         }
         let master = BodySide::joined(self, setup.masters).ok_or(InterfaceError::NoMaster)?;

@@ -8,7 +8,8 @@
 //! ∫ |N_j| ds over what is covered  <  SLIVER ∫ |N_j| ds over the whole elements,
 //! ```
 //!
-//! gives its share to the neighbour with most of what is covered: N_k' = N_k + N_j. The functions stay non-negative and sum to one. Where all
+//! gives its share to a neighbour, N_k' = N_k + N_j: on curves the one with most of what is covered, on surfaces the one with which it has most in
+//! common there, int |N_j| |N_k| ds. The functions stay non-negative and sum to one. Where all
 //! functions of an element are of that kind the neighbour is one of the element beside it, of surfaces of those at its corners, and without
 //! one they stay.
 
@@ -19,7 +20,7 @@ use crate::coupling::Segments;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::{Real, Vector, measure, to_f64};
 use crate::quadrature::Quadrature;
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 /// Least share of the integral of a function over its elements.
@@ -128,6 +129,29 @@ impl<'a, const S: usize, const N: usize, T: Real> Covered<'a, S, N, T> {
         ids.filter(|&i| !self.is_sliver[i]).max_by(|&a, &b| self.covered[a].total_cmp(&self.covered[b]))
     }
 
+    /// The functions on slivers that share elements with others, each with the one with which it has most in common on the elements `in_part`.
+    fn by_common(&self, in_part: &[usize]) -> Vec<Sliver> {
+        let (mut ids, mut table, mut common) = (Vec::new(), ShapeTable::new(), BTreeMap::<usize, BTreeMap<usize, f64>>::new());
+        for &e in in_part {
+            self.basis.active(e, &mut ids);
+            for points in &self.own[e] {
+                self.basis.tabulate(e, &self.segments.slave_xi[points.clone()], Order::Values, &mut table);
+                for (q, ds) in self.segments.ds[points.clone()].iter().enumerate() {
+                    let at = || ids.iter().copied().zip(table.values(q));
+                    for (j, a) in at().filter(|(j, _)| self.is_sliver[*j]) {
+                        let with = common.entry(j).or_default();
+                        at().filter(|(k, _)| !self.is_sliver[*k])
+                            .for_each(|(k, b)| *with.entry(k).or_default() += to_f64((*a * *b).abs() * *ds));
+                    }
+                }
+            }
+        }
+        let most = |(function, with): (usize, BTreeMap<usize, f64>)| {
+            Some(Sliver { function, heir: with.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0 })
+        };
+        common.into_iter().filter_map(most).collect()
+    }
+
     /// A function of the element beside the end of element `e` of a curve that is covered.
     fn beside_on_curve(&self, e: usize) -> Option<usize> {
         let (mut map, mut table, mut ids) = (MapTable::new(), ShapeTable::new(), Vec::new());
@@ -183,7 +207,7 @@ fn slivers<const S: usize, const N: usize, T: Real>(
     }
     side.measure(&in_part);
     let at_corners = if S == 1 { HashMap::new() } else { side.at_corners() };
-    let (mut ids, mut found) = (Vec::new(), Vec::new());
+    let (mut ids, mut found) = (Vec::new(), side.by_common(if S == 1 { &[] } else { &in_part }));
     for &e in &in_part {
         basis.active(e, &mut ids);
         let mut mine = ids.iter().copied().filter(|&i| side.is_sliver[i]).peekable();

@@ -81,7 +81,8 @@ impl Display for Warning {
             }
             Self::CoarseZone { of, closed, across, least } => match across {
                 Some(n) => {
-                    write!(f, "the zone of {of} is too coarse: about {n:.1} functions of the slave lie across it, fewer than {least}")
+                    let n = if *n < 0.1 { "less than 0.1".into() } else { format!("about {n:.1}") };
+                    write!(f, "the zone of {of} is too coarse: {n} functions of the slave lie across it, fewer than {least}")
                 }
                 None => write!(f, "the zone of {of} is too coarse: {closed} functions of the slave carry it, fewer than {least}"),
             },

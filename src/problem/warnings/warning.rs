@@ -226,10 +226,11 @@ pub enum Warning {
         of: Subject,
         /// Number of functions that are closed.
         closed: usize,
-        /// On surfaces the number of functions across the zone, from their second moments, in the direction in which it is least; `None` of
-        /// curves, and where none is closed.
+        /// On surfaces the number of functions across the zone, from their second moments, in the direction in which it is least; where the
+        /// opponent ends within the functions that carry the zone, from their number and the share of them that faces it. `None` of other
+        /// zones of curves, and where none is closed.
         across: Option<f64>,
-        /// The least number, on surfaces across the zone, without a warning.
+        /// The least number without a warning, across the zone where that is given.
         least: usize,
     },
     /// Slave elements of a contact of which the pieces of integration cover not all, or a part twice, though the opponent faces all of them,

@@ -12,6 +12,7 @@ mod contact_invariance;
 mod contact_methods;
 mod contact_models;
 mod dual_covered;
+mod ends;
 mod few_systems;
 mod graded_contact;
 mod half_width;

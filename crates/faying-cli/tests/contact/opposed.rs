@@ -97,10 +97,11 @@ fn a_punch_sunk_deeper_than_its_corner_is_far_from_the_side_presses_with_its_fac
                     for shape in &shapes {
                         let what = format!("{shape} {depth} {size} {angle} {more}");
                         let moved = force(&run(&block.case(&block.moved(shape, [0.0, -depth]), [0.0; 2])));
-                        assert!(near(moved, face, 1e-9), "{what}: {moved:?} for {face:?}");
+                        // what overhangs an end by 1e-8 of the size of a shape is on it, and the shapes differ in size
+                        assert!(near(moved, face, 3e-8), "{what}: {moved:?} for {face:?}");
                         // the block moved up by as much
                         let twin = force(&run(&block.case(&block.moved(shape, [0.0; 2]), [0.0, depth])));
-                        assert!(near(twin, face, 1e-9), "{what}: {twin:?} for {face:?}");
+                        assert!(near(twin, face, 3e-8), "{what}: {twin:?} for {face:?}");
                     }
                 }
             }

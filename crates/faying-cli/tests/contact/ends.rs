@@ -1,0 +1,86 @@
+//! Obstacles that end within elements of the side that they press, or are smaller than one.
+
+use faying_cli::case::ReadOptions;
+use faying_cli::{Case, Registry, RunResult};
+
+fn run(text: &str) -> RunResult {
+    let case = Case::parse("case.toml", text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    assert_eq!(result.exit, 0, "{:?}\n{text}", result.diagnostics);
+    result
+}
+
+/// A block, held below, with `n` elements of 2 / n along its sides, and `rigid` pressed on it.
+fn pressed(cells: &str, n: usize, rigid: &str, keys: &str) -> RunResult {
+    run(&format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = 3\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+         [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [-1, -1, -1], max = [1, 1, 0] }}\nelements = [{n}, {n}, 4]\n{cells}\n\
+         [[boundary]]\non = \"b.bottom\"\nfix = [\"x\", \"y\", \"z\"]\n\
+         [[contact]]\nname = \"c\"\nslave = \"b.top\"\nrigid = {{ {rigid}, move = {{ z = -0.001 }} }}\n{keys}\n"
+    ))
+}
+
+/// A square punch of the width `w` with a corner at (`x`, `y`).
+fn punch(w: f64, [x, y]: [f64; 2]) -> String {
+    format!("kind = \"box\", min = [{x}, {y}, 0], max = [{}, {}, 1]", x + w, y + w)
+}
+
+const CELLS: [&str; 3] = ["backend = \"iga\"", "backend = \"fe\"", "backend = \"fe\"\ncells = \"simplex\""];
+
+/// Elements are a third wide: edges of the punch lie on their borders, within them, and the whole punch within one.
+#[test]
+fn the_area_under_a_punch_is_that_of_its_face_wherever_it_stands() {
+    for cells in CELLS {
+        for (width, corner) in [(0.5, [-0.25, -0.25]), (0.5, [-0.15, -0.3]), (0.1, [0.05, -0.05]), (0.1, [0.12, 0.2]), (0.02, [0.2, 0.21])]
+        {
+            let result = pressed(cells, 6, &punch(width, corner), "multiplier = \"constant\"");
+            let found = &result.contact["c"];
+            let area = width * width;
+            // points that overhang an edge by 1e-8 of the obstacle are on it; of the triangles under it some stay open
+            let least = if cells.contains("simplex") { 0.5 * area } else { area - 1e-7 * width };
+            let is_open = cells.contains("simplex") && width == 0.02;
+            assert!(found.area < area + 1e-7 * width && (found.area > least || is_open), "{cells} {width} {corner:?}: {}", found.area);
+            let coarse = result.warnings.iter().any(|d| d.code == "E065" && d.message.contains("functions of the slave lie across it"));
+            assert!(coarse, "{cells} {width} {corner:?}: {:?}", result.warnings);
+        }
+    }
+}
+
+/// The face of a punch as a box and as a surface; all integrations and methods, and a stiff body in its place.
+#[test]
+fn all_roads_to_a_punch_agree() {
+    let box_of = |keys: &str| pressed(CELLS[0], 6, &punch(0.1, [0.05, -0.05]), keys).contact["c"].force[2];
+    let known = box_of("");
+    let surface = "kind = \"nurbs\", degree = [1, 1], knots = [[0, 0, 1, 1], [0, 0, 1, 1]], \
+                   points = [[0.05, -0.05, 0], [0.05, 0.05, 0], [0.15, -0.05, 0], [0.15, 0.05, 0]]";
+    let others =
+        [box_of("integration = \"slave\""), box_of("method = \"augmented\""), pressed(CELLS[0], 6, surface, "").contact["c"].force[2]];
+    assert!(others.iter().all(|force| (force / known - 1.0).abs() < 1e-4), "{others:?} for {known}");
+    let body = run("[model]\nphysics = \"elasticity\"\ndimension = 3\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+         [[material]]\nname = \"stiff\"\nyoung = 1e6\npoisson = 0.3\n\
+         [[patch]]\nname = \"b\"\nmaterial = \"m\"\ngeometry = { kind = \"box\", min = [-1, -1, -1], max = [1, 1, 0] }\nelements = [6, 6, 4]\n\
+         [[patch]]\nname = \"p\"\nmaterial = \"stiff\"\ngeometry = { kind = \"box\", min = [0.05, -0.05, 0], max = [0.15, 0.05, 0.1] }\nelements = [1, 1, 1]\n\
+         [[boundary]]\non = \"b.bottom\"\nfix = [\"x\", \"y\", \"z\"]\n[[boundary]]\non = \"p.top\"\ndirichlet = { x = 0, y = 0, z = -0.001 }\n\
+         [[contact]]\nname = \"c\"\nslave = \"b.top\"\nmaster = \"p.bottom\"\n");
+    let force = body.contact["c"].force[2];
+    assert!((force / known - 1.0).abs() < 1e-2, "{force} for {known}");
+}
+
+/// In the plane: a punch within one element, across one border, and over the corner between two sides of it.
+#[test]
+fn a_punch_in_the_plane_presses_its_width() {
+    for cells in ["backend = \"iga\"", "backend = \"fe\""] {
+        for [a, b] in [[0.05, 0.15], [-0.1, 0.07], [-0.5, 0.4]] {
+            let result = run(&format!(
+                "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+                 [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [-1, -1], max = [1, 0] }}\nelements = [6, 4]\n{cells}\n\
+                 [[boundary]]\non = \"b.bottom\"\nfix = [\"x\", \"y\"]\n\
+                 [[contact]]\nname = \"c\"\nslave = \"b.top\"\nmultiplier = \"constant\"\n\
+                 rigid = {{ kind = \"box\", min = [{a}, 0], max = [{b}, 1], move = {{ y = -0.001 }} }}\n"
+            ));
+            let area = result.contact["c"].area;
+            // points that overhang an end by 1e-8 of the obstacle are on it
+            assert!((area / (b - a) - 1.0).abs() < 5e-7, "{cells}: {area} for {a} to {b}");
+        }
+    }
+}
