@@ -13,7 +13,7 @@ use crate::quadrature::{PerElement, Quadrature, Rule, simplex_rule};
 use crate::space::Trace;
 
 /// Most halvings of an element that a rim crosses, until the rim is straight in every part: those that hold its corners are the smallest.
-const HALVINGS: usize = 15;
+const HALVINGS: usize = 14;
 /// Most halvings of an element in the search for an obstacle smaller than it.
 const SEARCHES: usize = 7;
 /// Most parts of an element at a time that are halved again.
@@ -26,7 +26,7 @@ const NEAR: f64 = 0.1;
 const FLAT: f64 = 1e-9;
 
 /// Height of a rim over its chord, as a share of that, up to which it is straight.
-const SAG: f64 = 2e-3;
+const SAG: f64 = 8e-3;
 
 /// Nothing where a point faces nothing, and the gap where it faces the obstacle \[length\].
 type Seen = Option<f64>;
@@ -196,7 +196,7 @@ impl<const S: usize, const N: usize> Divided<'_, S, N> {
     fn rims_in(&self, part: &Part<S>, table: &mut MapTable<S, N>) -> (Option<(Cut, &dyn Obstacle<S, N>)>, bool) {
         let middle = part.iter().sum::<Vector<S>>() / part.len() as f64;
         // beside the corners, which may lie on the rim itself
-        let inner = part.iter().map(|corner| middle + (corner - middle) * 0.98);
+        let inner = part.iter().map(|corner| middle + (corner - middle) * 0.999);
         let points: Vec<Vector<S>> = inner.chain([middle]).chain(self.mapped(part, self.rule).points).collect();
         let (mut crossed, mut hidden) = (None, false);
         for goal in self.goals {

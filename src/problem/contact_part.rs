@@ -122,7 +122,7 @@ where
         sides: &ContactSides<'_, S, N>,
         first: &ContactRows<S, N>,
     ) -> Result<(), InterfaceError> {
-        if let (StatedOpponent::Obstacle { changes: true, .. }, Opposing::Rigid(obstacle, _)) = (&setup.contact.own.faced, sides.against) {
+        if let (StatedOpponent::Obstacle { changes: true, .. }, Opposing::Rigid(obstacle, ..)) = (&setup.contact.own.faced, sides.against) {
             return setup.times.iter().try_for_each(|&t| {
                 let rows = contact.rows(self, sides, t, None).map_err(|error| at_time(error, t))?;
                 let turned = !rows.facing.contains(&true) && is_turned_round(&setup.slave.trace, &*obstacle.target(t, None));
@@ -148,7 +148,7 @@ where
             let places: Vec<_> =
                 times.iter().step_by(times.len().div_ceil(MOST_PLACES)).chain(times.last()).map(|&t| obstacle.target(t, None)).collect();
             let segments = self.revolved(points_at_rims(&slave.trace, &places, &points), slave);
-            return Ok((Opposing::Rigid(Arc::clone(obstacle), segments), None, None));
+            return Ok((Opposing::Rigid(Arc::clone(obstacle), segments, points), None, None));
         }
         let master = BodySide::joined(self, setup.masters).ok_or(InterfaceError::NoMaster)?;
         let partners = Partners::Facing { reach: contact.reach };
@@ -304,7 +304,7 @@ fn faced<const S: usize, const N: usize>(slave: &BodySide<S, N>, against: &Oppos
         // a master without tangent, or a normal that is none, is reported when the rows are built
         Opposing::Side(master, segments) => ContactKinematics::against_master(&slave.trace, &master.trace, segments)
             .map_or_else(|_| segments.clone(), |(segments, _)| segments),
-        Opposing::Rigid(obstacle, segments) => {
+        Opposing::Rigid(obstacle, segments, _) => {
             ContactKinematics::against_obstacle(&slave.trace, &*obstacle.target(t, None), segments, reach)
                 .map_or_else(|_| segments.clone(), |(segments, _)| segments)
         }

@@ -4,7 +4,7 @@ use super::contact_fluxes::SideFluxes;
 use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing};
 use super::rigid_bodies::unit;
 use crate::basis::Basis;
-use crate::contact::{Cone, ContactAt, ContactError, ContactRows, Opponent, PointValues, RowsAt, Translation};
+use crate::contact::{Cone, ContactAt, ContactError, ContactRows, Opponent, PointValues, RowsAt, Translation, points_at_rims};
 use crate::coupling::{Segments, Side};
 use crate::linalg::Vector;
 use std::sync::Arc;
@@ -68,8 +68,12 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
                 let master = Side { trace: &master.trace, field: master.field, flux: fluxes.map(SideFluxes::master) };
                 ask(&at(Opponent::Master(master), own, &[]))
             }
-            Opposing::Rigid(obstacle, own) => {
+            Opposing::Rigid(obstacle, own, rules) => {
                 let target = obstacle.target(t, place);
+                // rows of functions have points of any number, those of points the same ones at all times
+                let cut = (segments.is_none() && sides.multiplier.is_some() && (obstacle.changes || place.is_some()))
+                    .then(|| model.revolved(points_at_rims(&sides.slave.trace, std::slice::from_ref(&target), rules), sides.slave));
+                let own = cut.as_ref().unwrap_or(own);
                 let stands = |unknown: usize| place.and_then(|u| u.get(unknown)).copied().unwrap_or(0.0);
                 let pressed = obstacle.pressed.iter();
                 let pressed = pressed.map(|p| Translation { direction: unit(p.component), unknown: p.unknown, at: stands(p.unknown) });

@@ -45,7 +45,7 @@ pub fn directions<const S: usize, const N: usize>(
     let mut other = MapTable::new();
     let (closest, target) = match against {
         Some(Opposing::Side(master, _)) => (Some(ClosestPoint::new(master.trace.oriented())), None),
-        Some(Opposing::Rigid(obstacle, _)) => (None, Some(obstacle.target(t, None))),
+        Some(Opposing::Rigid(obstacle, ..)) => (None, Some(obstacle.target(t, None))),
         None => (None, None),
     };
     let mut facing = |x: &Vector<N>, own: &Vector<N>| match against {

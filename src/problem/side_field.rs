@@ -119,7 +119,7 @@ impl Solution<1, 2> {
                 let faced = || -> Box<dyn Obstacle<1, 2>> {
                     match &part.against {
                         Opposing::Side(master, _) => Box::new(Surface::new(&master.trace, None)),
-                        Opposing::Rigid(obstacle, _) => obstacle.target(state.state().t, Some(&state.state().u)),
+                        Opposing::Rigid(obstacle, ..) => obstacle.target(state.state().t, Some(&state.state().u)),
                     }
                 };
                 contact_along(state, [contact.number, side], &faced, Some(&ArcLength::new(&*part.slave.trace.space)))
@@ -151,7 +151,7 @@ impl Solution<2, 3> {
         let faced = || -> Box<dyn Obstacle<2, 3>> {
             match &part.against {
                 Opposing::Side(master, _) => Box::new(FacingSurface::new(&master.trace)),
-                Opposing::Rigid(obstacle, _) => obstacle.target(state.state().t, Some(&state.state().u)),
+                Opposing::Rigid(obstacle, ..) => obstacle.target(state.state().t, Some(&state.state().u)),
             }
         };
         Ok(Some(contact_along(state, [contact.number, side], &faced, None)))

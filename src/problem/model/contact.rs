@@ -10,21 +10,22 @@ use crate::problem::data::{Data, Point};
 use crate::problem::handles::ContactId;
 use crate::problem::obstacle::MovingObstacle;
 use crate::problem::start::Start;
+use crate::quadrature::PerElement;
 use std::sync::Arc;
 
 /// The opponent of a contact side.
 pub enum Opposing<const S: usize, const N: usize> {
     /// A deformable side.
     Side(Arc<BodySide<S, N>>, Segments<S>),
-    /// A rigid obstacle.
-    Rigid(Arc<MovingObstacle<S, N>>, Segments<S>),
+    /// A rigid obstacle, points of the slave, and the rules of its elements where the obstacle does not end within them.
+    Rigid(Arc<MovingObstacle<S, N>>, Segments<S>, PerElement<S>),
 }
 
 impl<const S: usize, const N: usize> std::fmt::Debug for Opposing<S, N> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Side(side, _) => f.debug_tuple("Side").field(&side.label).finish(),
-            Self::Rigid(obstacle, _) => f.debug_tuple("Rigid").field(obstacle).finish(),
+            Self::Rigid(obstacle, ..) => f.debug_tuple("Rigid").field(obstacle).finish(),
         }
     }
 }

@@ -130,7 +130,7 @@ fn second_order<const S: usize, const N: usize>(part: &ContactPart<S, N>, state:
                 .filter_map(|p| Some(p.ds * size(gap(&(p.x + p.shift), &p.normal)? - gap(&p.x, &p.normal)? - p.shift.dot(&p.normal))))
                 .sum()
         }
-        Opposing::Rigid(obstacle, _) => {
+        Opposing::Rigid(obstacle, ..) => {
             let target = obstacle.target(state.t, Some(&state.u));
             let gap = |x: &Vector<N>, normal: &Vector<N>| opposed(&*target, x, &-normal).map(|hit| hit.gap);
             let moved =

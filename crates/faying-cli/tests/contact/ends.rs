@@ -84,3 +84,27 @@ fn a_punch_in_the_plane_presses_its_width() {
         }
     }
 }
+
+/// A punch that slides over the borders of elements has its width at every step, as it has at one step alone.
+#[test]
+fn a_punch_that_slides_presses_its_width_at_every_step() {
+    let at = |times: &str, keys: &str| {
+        run(&format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+             [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = [0, -1], max = [1, 0] }}\nelements = [3, 2]\n\
+             [[boundary]]\non = \"b.bottom\"\nfix = [\"x\", \"y\"]\n\
+             [[contact]]\nname = \"c\"\nslave = \"b.top\"\n{keys}\n\
+             rigid = {{ kind = \"box\", min = [0, 0], max = [0.4, 1], move = {{ x = \"0.2*t\", y = -0.01 }} }}\n\
+             [steps]\nt = {times}\n[[probe]]\nname = \"faced\"\nquantity = \"contact.c.segments.measure\"\n"
+        ))
+    };
+    for keys in ["", "multiplier = \"constant\"", "method = \"augmented\"", "integration = \"slave\""] {
+        let one = at("[1.0]", keys);
+        for times in ["[0.5, 1.0]", "[0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0]"] {
+            let many = at(times, keys);
+            let (a, b) = (&many.contact["c"], &one.contact["c"]);
+            assert!((many.probes[0].value - 0.4).abs() < 1e-7, "{keys} {times}: {}", many.probes[0].value);
+            assert!((a.force[1] / b.force[1] - 1.0).abs() < 1e-9, "{keys} {times}: {:?} for {:?}", a.force, b.force);
+        }
+    }
+}
