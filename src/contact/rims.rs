@@ -5,12 +5,13 @@
 
 use super::{Obstacle, opposed};
 use crate::basis::Order;
-use crate::coupling::interface::{Coverage, Segments};
+use crate::coupling::interface::{Segments, slave_segments};
 use crate::geometry::{Bounds, MapTable, cell};
-use crate::linalg::{Vector, measure};
+use crate::linalg::Vector;
 use crate::parallel;
 use crate::quadrature::{PerElement, Quadrature, Rule, simplex_rule};
 use crate::space::Trace;
+use std::sync::Arc;
 
 /// Most halvings of an element that a rim crosses, until the rim is straight in every part: those that hold its corners are the smallest.
 const HALVINGS: usize = 14;
@@ -53,28 +54,21 @@ pub fn points_at_rims<const S: usize, const N: usize>(
     let (first, places): (Vec<Vec<Vec<Seen>>>, Vec<Vec<Vector<N>>>) = first.into_iter().unzip();
     let goals: Vec<Goal<'_, S, N>> =
         targets.iter().enumerate().map(|(k, target)| Goal::new(&**target, &places, first.iter().map(|f| &f[k]))).collect();
-    let found = parallel::map_init(boxes.len(), MapTable::new, |table, e| {
-        let rule = rules.rule(e);
-        let mut out = Rule { points: Vec::new(), weights: Vec::new() };
-        if goals.iter().zip(&first[e]).any(|(goal, seen)| goal.asks(seen, &boxes[e])) {
-            let look = Look { slave, element: e };
+    let cut = parallel::map_init(boxes.len(), MapTable::new, |table, e| {
+        goals.iter().zip(&first[e]).any(|(goal, seen)| goal.asks(seen, &boxes[e])).then(|| {
+            let (look, mut out) = (Look { slave, element: e }, Rule::default());
             let degree = 4 * slave.space.degree(e).into_iter().max().unwrap_or(1) + 2;
-            let divided = Divided { look, goals: &goals, rule, triangles: simplex_rule(degree) };
+            let divided = Divided { look, goals: &goals, rule: rules.rule(e), triangles: simplex_rule(degree) };
             divided.divide(corners(slave, e), table, &mut out);
-        } else {
-            out.clone_from(rule);
-        }
-        slave.space.map(e, &out.points, Order::Gradients, table);
-        out.weights.iter_mut().zip(&table.jacobian).for_each(|(w, jacobian)| *w *= measure(jacobian));
-        out
+            out
+        })
     });
-    let mut segments = Segments::new();
-    for (e, rule) in found.into_iter().enumerate() {
-        segments.push_piece(e, 0, rule.points.into_iter().zip(rule.weights).map(|(xi, ds)| (xi, Vector::zeros(), ds)));
+    let (mut all, mut which) = (rules.rules().to_vec(), rules.which().to_vec());
+    for (which, rule) in which.iter_mut().zip(cut).filter_map(|(which, rule)| Some((which, rule?))) {
+        *which = all.len();
+        all.push(Arc::new(rule));
     }
-    let (whole, pieces) = (segments.measure(), segments.num_pieces());
-    segments.report = Coverage { slave_measure: whole, covered: whole, share: vec![1.0; boxes.len()], pieces, ..Coverage::default() };
-    segments
+    slave_segments(&*slave.space, &PerElement::new(all, which))
 }
 
 /// The corners of an element, around it.

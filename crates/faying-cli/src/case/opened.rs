@@ -23,9 +23,9 @@ pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// What to name where a mesh or a geometry cannot be read.
+/// The remedy for a mesh or a geometry that cannot be read.
 const MESH: &str = "name a file of a mesh or a geometry that may be read";
-/// What to name where a stored run cannot be read.
+/// The remedy for a stored run that cannot be read.
 const STORED: &str = "`faying run CASE --save-reference FILE` writes stored runs";
 
 /// E003 for a file that a case names and that cannot be read, with `wanted`, or with similar names in its folder where it is missing.

@@ -36,10 +36,17 @@ fn the_area_under_a_punch_is_that_of_its_face_wherever_it_stands() {
             let result = pressed(cells, 6, &punch(width, corner), "multiplier = \"constant\"");
             let found = &result.contact["c"];
             let area = width * width;
-            // points that overhang an edge by 1e-8 of the obstacle are on it; of the triangles under it some stay open
-            let least = if cells.contains("simplex") { 0.5 * area } else { area - 1e-7 * width };
-            let is_open = cells.contains("simplex") && width == 0.02;
-            assert!(found.area < area + 1e-7 * width && (found.area > least || is_open), "{cells} {width} {corner:?}: {}", found.area);
+            // points that overhang an edge by 1e-8 of the obstacle are on it; a corner may reach a twentieth of a triangle unseen
+            let allowed = if cells.contains("simplex") { 1e-3 * area } else { 1e-7 * width };
+            let faced = found.segments.measure;
+            assert!((faced - area).abs() < allowed, "{cells} {width} {corner:?}: {faced} for {area}");
+            // of the narrow triangles some stay open
+            assert!(found.area <= faced * (1.0 + 1e-12), "{cells} {width} {corner:?}: {} of {faced}", found.area);
+            assert!(
+                cells.contains("simplex") || found.area >= faced * (1.0 - 1e-12),
+                "{cells} {width} {corner:?}: {} of {faced}",
+                found.area
+            );
             let coarse = result.warnings.iter().any(|d| d.code == "E065" && d.message.contains("functions of the slave lie across it"));
             assert!(coarse, "{cells} {width} {corner:?}: {:?}", result.warnings);
         }
