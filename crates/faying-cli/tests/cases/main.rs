@@ -5,6 +5,7 @@ mod battery;
 mod bulk_terms;
 mod case_files;
 mod curved_neighbours;
+mod error_norms;
 mod exact_per_patch;
 mod extremes;
 mod left_out;
