@@ -5,6 +5,7 @@
 //! system consists of.
 
 mod arc_length;
+mod asked_points;
 mod assemble;
 mod assembled;
 mod at_rest;

@@ -18,6 +18,7 @@ mod graded_contact;
 mod half_width;
 mod held_in_part;
 mod in_space;
+mod nitsche_points;
 mod obstacles;
 mod one_factor;
 mod opposed;
