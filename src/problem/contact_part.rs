@@ -21,7 +21,7 @@ use crate::coupling::multiplier::{MultiplierError, PiecewiseConstant};
 use crate::coupling::{Coupling, Interface, Mortar, Rows, Segments, Side};
 use crate::linalg::Vector;
 use crate::space::Trace;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 /// Components of a unit vector below this count as zero.
@@ -189,14 +189,14 @@ where
         // the normals of a moving obstacle change; a function that cannot move at one of the times is constrained
         let turning = |n: usize| -> Vec<_> { times.iter().map(|&t| directions(slave, Some(against), t, n)).collect() };
         let normals = turning(2);
-        // a function shared by two slave sides would get two multipliers: it counts as constrained
-        let stuck = |function: usize| {
-            (setup.on_seam)(function) || normals.iter().filter_map(|list| list.get(&function)).any(|n| cannot_move(function, n))
-        };
-        // functions inside of elements vanish at corners: their direction is taken where they are largest
+        // functions that vanish at corners: their direction is taken where they are largest
         let inner = turning(slave.degree() + 2);
-        let held =
-            |f: usize| stuck(f) || inner.iter().filter_map(|list| list.get(&f)).any(|n| cannot_move(f, n)) || (0..N).all(|c| taken(f, c));
+        let moves_never = |list: &[HashMap<usize, Vector<N>>], f: usize| list.iter().filter_map(|n| n.get(&f)).any(|n| cannot_move(f, n));
+        // of surfaces some of these lie on an edge, and are lowered with it
+        let on_edge = |f: usize| S > 1 && !normals.iter().any(|list| list.contains_key(&f)) && moves_never(&inner, f);
+        // a function shared by two slave sides would get two multipliers: it counts as constrained
+        let stuck = |function: usize| (setup.on_seam)(function) || moves_never(&normals, function) || on_edge(function);
+        let held = |f: usize| stuck(f) || moves_never(&inner, f) || (0..N).all(|c| taken(f, c));
         let free = slave.trace.dofs.iter().filter(|&&f| !held(f)).map(|&f| self.function(slave.patch, f)).collect::<HashSet<_>>().len();
         let components: Vec<usize> =
             (0..N).filter(|&c| inner.iter().flat_map(|list| list.values()).any(|n| n[c].abs() >= PERPENDICULAR)).collect();

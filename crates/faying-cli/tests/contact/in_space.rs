@@ -63,6 +63,26 @@ fn a_block_on_a_plane_has_a_uniform_pressure_by_every_method_on_all_cells() {
     }
 }
 
+/// An edge of the slave is held along the normal, as the uniform state moves it: p/p is lowered there on all cells.
+#[test]
+fn functions_of_an_edge_that_is_held_along_the_normal_have_no_multiplier_of_their_own() {
+    for (cells, degree) in CELLS.into_iter().flat_map(|cells| [1, 2, 3].map(|p| (cells, p))) {
+        for part in ["", "where = \"y > 0.8/3 - 1e-6\"\n"] {
+            let held = "\n[[boundary]]\non = \"block.u1\"\ndirichlet = { z = \"-1e-3*z\" }\n[[contact]]";
+            let contact = format!("name = \"floor\"\nmultiplier = \"p/p\"\n{part}");
+            let below = "[[boundary]]\non = \"block.bottom\"\nwhere = \"y < 0.8/3 + 1e-6\"\nfix = [\"z\"]\n";
+            let held = if part.is_empty() { held.to_owned() } else { held.replace("[[contact]]", &format!("{below}[[contact]]")) };
+            let text = with(&[("[[contact]]", &held), ("backend = \"iga\"", cells), ("degree = 2", &format!("degree = {degree}"))]);
+            let result = run(&text.replace("name = \"floor\"", &contact));
+            let found = result.contact.get("floor").unwrap();
+            assert!(
+                (found.pressure.max - 1e-3).abs() < 1e-12 && (found.pressure.min - 1e-3).abs() < 1e-12,
+                "{cells} {degree} {part}: {found:?}"
+            );
+        }
+    }
+}
+
 #[test]
 fn the_multiplier_of_auto_is_named_and_counted() {
     for (cells, degree, name, functions) in [
