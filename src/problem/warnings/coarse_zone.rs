@@ -46,7 +46,11 @@ pub(super) fn coarse_zones<const S: usize, const N: usize>(model: &Model<S, N>, 
         if closed > 0 && !contact.presses(model, built, state) {
             closed = 0;
         }
-        let of_surface = (S > 1 && 0 < closed && closed < facing).then(|| extent.across()).flatten();
+        let of_surface = (S > 1 && 0 < closed && closed < facing).then(|| {
+            let whole = extent.across();
+            if whole.is_some_and(|(n, least)| n < least as f64) { whole } else { extent.across_strips().or(whole) }
+        });
+        let of_surface = of_surface.flatten();
         let covered = if closed > 0 { covered(model, contact, built, state) } else { 1.0 };
         let to_its_end = (covered < COVERED).then(|| ((covered * closed as f64).powf(1.0 / S as f64), FEWEST_TO_ITS_END));
         let (across, least) = match to_its_end.filter(|(n, least)| *n < *least as f64).or(of_surface) {

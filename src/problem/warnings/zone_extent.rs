@@ -10,14 +10,24 @@
 //!
 //! Directions are the two in which V + W, the second moments of the zone, is largest. Weights leave to functions that crowd at a pole what
 //! they carry.
+//!
+//! Rings and several strips are wider than what they consist of. A function is inside of the zone if no open one is beside it; along a strip of
+//! n >= 2 functions a share f = 1 - 2/n of them is, so that strips have about
+//!
+//! ```text
+//! n = 2 / (1 - f)
+//! ```
+//!
+//! functions across. A disc of n has half of that.
 
 use crate::basis::{Order, ShapeTable};
 use crate::contact::ContactRows;
 use crate::geometry::MapTable;
-use crate::linalg::{Vector, measure};
+use crate::linalg::{Matrix, Vector, measure};
 use crate::problem::model::ContactPart;
 use crate::quadrature::Quadrature;
 use nalgebra::{DMatrix, DVector};
+use std::collections::HashMap;
 
 /// Least number of functions across a zone.
 pub(super) const FEWEST: usize = 4;
@@ -26,6 +36,13 @@ const FEWEST_OF_HALF: usize = 3;
 
 /// Second moments of a zone over those of all that faces, above which the zone does not end in a direction.
 const WHOLE: f64 = 0.9;
+
+/// Number of functions across a strip below which it has no inside; of a disc of [`FEWEST`] it is more.
+const NO_INSIDE: f64 = 2.4;
+/// Distance between the centres of functions side by side, in distances of knots; those across a corner are 1.4 apart.
+const BESIDE: f64 = 1.3;
+/// Part of the sum of second moments of a function that it has in every direction at least: those of a flat side have none along its normal.
+const LEAST_SPREAD: f64 = 0.01;
 
 /// Sums over functions: weight, first and second moments of the centres, own second moments, degrees.
 struct ZoneMoments<const N: usize> {
@@ -41,6 +58,8 @@ pub(super) struct ZoneExtent<const N: usize> {
     origin: Option<Vector<N>>,
     /// Centres of those that face the opponent, with whether they are closed.
     centres: Vec<(Vector<N>, bool)>,
+    /// Those that are closed.
+    strips: Vec<Member<N>>,
     facing: ZoneMoments<N>,
     closed: ZoneMoments<N>,
 }
@@ -68,6 +87,27 @@ impl<const N: usize> ZoneMoments<N> {
     }
 }
 
+/// Weight and centre of a function, and the matrix G of the distance (d . G d)^1/2 in knots.
+struct Member<const N: usize> {
+    weight: f64,
+    centre: Vector<N>,
+    metric: Matrix<N, N>,
+    /// Distance of knots in the direction in which it is largest.
+    size: f64,
+}
+
+impl<const N: usize> Member<N> {
+    fn of(of: &Function<N>) -> Option<Self> {
+        let centre = of.first / of.weight;
+        let own = Matrix::<N, N>::from_fn(|i, j| of.second[(i, j)] / of.weight - centre[i] * centre[j]);
+        let square = 12.0 / (of.degree + 1.0) * own.trace();
+        let spread = own + Matrix::<N, N>::identity() * (LEAST_SPREAD * own.trace());
+        let inverse: DMatrix<f64> = DMatrix::from_fn(N, N, |i, j| spread[(i, j)]).try_inverse()?;
+        let metric = Matrix::<N, N>::from_fn(|i, j| inverse[(i, j)] * (of.degree + 1.0) / 12.0);
+        Some(Self { weight: of.weight, centre, metric, size: square.sqrt() })
+    }
+}
+
 /// Weight, first and second moments of a function, and its degree.
 struct Function<const N: usize> {
     weight: f64,
@@ -78,7 +118,7 @@ struct Function<const N: usize> {
 
 impl<const N: usize> ZoneExtent<N> {
     pub(super) fn new() -> Self {
-        Self { origin: None, centres: Vec::new(), facing: ZoneMoments::new(), closed: ZoneMoments::new() }
+        Self { origin: None, centres: Vec::new(), strips: Vec::new(), facing: ZoneMoments::new(), closed: ZoneMoments::new() }
     }
 
     /// Adds the functions of a slave side, or its elements where rows belong to points; `members` are those that face the opponent, with
@@ -120,6 +160,7 @@ impl<const N: usize> ZoneExtent<N> {
             self.facing.add(of);
             if *is_closed {
                 self.closed.add(of);
+                self.strips.extend(Member::of(of));
             }
         }
     }
@@ -145,6 +186,29 @@ impl<const N: usize> ZoneExtent<N> {
         };
         let few = |(n, least): &(f64, usize)| n / *least as f64;
         order[..2].iter().filter_map(along).filter(|(n, _)| n.is_finite()).min_by(|a, b| few(a).total_cmp(&few(b)))
+    }
+
+    /// The number of functions across the strips of which the zone consists, and how many there should be; `None` where they have an inside.
+    pub(super) fn across_strips(&self) -> Option<(f64, usize)> {
+        let size = self.strips.iter().map(|m| m.size).fold(0.0, f64::max) * BESIDE;
+        if !(size > 0.0 && size.is_finite()) {
+            return None;
+        }
+        let place = |x: &Vector<N>| -> [i64; N] { std::array::from_fn(|k| (x[k] / size).floor() as i64) };
+        let mut open: HashMap<[i64; N], Vec<&Vector<N>>> = HashMap::new();
+        self.centres.iter().filter(|(_, closed)| !closed).for_each(|(x, _)| open.entry(place(x)).or_default().push(x));
+        let is_inside = |m: &&Member<N>| {
+            let at = place(&m.centre);
+            let around = (0..3usize.pow(N as u32)).map(|k| std::array::from_fn(|i| at[i] + (k / 3usize.pow(i as u32) % 3) as i64 - 1));
+            let mut beside = around.filter_map(|p: [i64; N]| open.get(&p)).flatten();
+            !beside.any(|x| {
+                let apart = *x - m.centre;
+                apart.dot(&(m.metric * apart)) < BESIDE * BESIDE
+            })
+        };
+        let weight = |all: &mut dyn Iterator<Item = &Member<N>>| all.map(|m| m.weight).sum::<f64>();
+        let share = weight(&mut self.strips.iter().filter(is_inside)) / weight(&mut self.strips.iter());
+        Some(2.0 / (1.0 - share)).filter(|n| *n < NO_INSIDE).map(|n| (n, FEWEST))
     }
 
     /// Whether the zone begins where what faces the opponent does, along a direction: half of a zone, at a plane of symmetry or an edge.

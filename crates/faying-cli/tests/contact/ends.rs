@@ -115,3 +115,16 @@ fn a_punch_that_slides_presses_its_width_at_every_step() {
         }
     }
 }
+
+/// Two strips of one function each are wider together than they are: told, as one of them is. With six functions across each nothing is.
+#[test]
+fn strips_of_contact_are_told_by_their_own_width() {
+    let strips = |r: f64| format!("kind = \"level-set\", f = \"min((x - 0.5)^2, (x + 0.5)^2) + (z - {r})^2 - {r}^2\"");
+    for cells in CELLS {
+        for (n, radius, told) in [(16, 5.0, true), (20, 100.0, false)] {
+            let result = pressed(cells, n, &strips(radius), "");
+            let coarse = result.warnings.iter().any(|d| d.code == "E065" && d.message.contains("functions of the slave lie across it"));
+            assert_eq!(coarse, told, "{cells} {radius}: {:?}, {:?}", result.contact["c"], result.warnings);
+        }
+    }
+}
