@@ -191,8 +191,8 @@ fn gap_fault<const S: usize, const N: usize>(
             .error("E017", text, f.at)
             .with_help("`f` is needed at and around all points of the slave side, at all times of [steps]");
     }
-    let text = format!("contact \"{name}\": `{}` has no zero at which its sign changes, looked for from {there}", f.value.text());
-    let help = "`f` is positive outside of the obstacle and negative inside, and its zero is found along its gradient; `along` takes f itself as the gap";
+    let text = format!("contact \"{name}\": `{}`: found no zero at which its sign changes, looked for from {there}", f.value.text());
+    let help = "`f` is positive outside of the obstacle and negative inside, and its zero is found along its gradient, which jumps at an edge of the obstacle and may turn the search back: `along` takes f itself as the gap";
     context.error("E017", text, f.at).with_help(help)
 }
 

@@ -29,7 +29,7 @@ pub fn diagnostic(case: &Case, warning: &Warning) -> Option<Diagnostic> {
             let (kind, rule) =
                 if is_contact { ("contact", &case.contacts[of.number].integration) } else { ("interface", &tie()?.integration) };
             let text = format!(
-                "the integration of {kind} \"{name}\" is inexact: its consistency error is {0} %; the force and the multiplier of \"{name}\" may be off by {0} %",
+                "the integration of {kind} \"{name}\" is inexact: its consistency error is {0} %; the force and the multiplier of \"{name}\" may be off by {0} %, stresses beside it by several times that",
                 percent(*error)
             );
             let help = match rule.value.as_str() {
