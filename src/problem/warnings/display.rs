@@ -105,6 +105,10 @@ impl Display for Warning {
                 let [height, wave, pressure] = [height, wave, pressure].map(|v| digits(*v));
                 write!(f, "pressures of {of} at points have waves of {wave}, of {pressure}: its facets leave their surface by {height}")
             }
+            Self::Tension { of, least, largest } => {
+                let [least, largest] = [least, largest].map(|v| digits(*v));
+                write!(f, "{of} pulls: its pressure falls to {least} beside {largest}, as its cone does not hold it at all points")
+            }
             Self::Kinematics { of, strain, rotation, allowed } => kinematics(of, [strain, rotation], *allowed, f),
         }
     }

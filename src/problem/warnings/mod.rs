@@ -22,6 +22,7 @@
 //! | `soft_penalty` | places of bodies that a soft penalty lets sink into each other |
 //! | `coarse_tie` | places of bodies whose tie has too coarse a multiplier |
 //! | `gap_pressure` | pressures at points that come from gaps, or from waves of facets, and not from the stress of the bodies |
+//! | `tension` | forces and pressures of contacts whose cone lets them pull |
 //! | `kinematics` | all, where bodies deform too far for small kinematics |
 //!
 //! Loads, springs, prescribed values and moduli that jump inside of elements or have no bound are found by [`Model::inexact_integrals`].
@@ -50,6 +51,7 @@ mod patch_test;
 mod rounding;
 mod sliding;
 mod soft_penalty;
+mod tension;
 mod thin_cells;
 mod too_few_functions;
 mod warning;
@@ -100,6 +102,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(soft_penalty::soft_penalties(self, state));
         found.extend(coarse_tie::coarse_ties(self, state));
         found.extend(gap_pressure::gap_pressures(self, state));
+        found.extend(tension::tensions(self, state));
         found.extend(kinematics::kinematics(self, state));
         found
     }

@@ -300,6 +300,15 @@ pub enum Warning {
         /// The largest pressure \[force/area\].
         pressure: f64,
     },
+    /// A contact whose cone holds means or single points alone pulls at others with more than 0.2 of its largest pressure.
+    Tension {
+        /// The contact.
+        of: Subject,
+        /// The least pressure, negative \[force/area\].
+        least: f64,
+        /// The largest pressure \[force/area\].
+        largest: f64,
+    },
     /// A contact closes gaps or overlaps at rest that facets do not explain.
     Adjusted {
         /// The contact.
@@ -369,6 +378,7 @@ impl Warning {
             | Self::CoarseTie { of, .. }
             | Self::GapPressure { of, .. }
             | Self::WavyFacets { of, .. }
+            | Self::Tension { of, .. }
             | Self::Kinematics { of, .. } => Some(of),
             Self::CornerValues { .. } | Self::FacetsApart(_) | Self::Inexact(_) | Self::CoarseValues { .. } => None,
         }

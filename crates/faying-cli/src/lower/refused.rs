@@ -223,7 +223,7 @@ pub(super) fn contact_fault<const S: usize, const N: usize>(
         }
         ContactError::NoTarget if masters.is_empty() => context
             .error("E023", format!("no part of `{}` faces the obstacle of contact \"{}\"", slave.label(), contact.name.value), at)
-            .with_help("turn the obstacle's normal towards the body, or raise `reach`; an obstacle of less than 1/128 of an element is not found, give the side smaller ones"),
+            .with_help("turn the obstacle's normal towards the body, move an obstacle that begins deep within the body out of it, or raise `reach`; an obstacle of less than 1/128 of an element is not found, give the side smaller ones"),
         ContactError::NoTarget => context
             .error("E023", format!("no part of `{}` faces {}", slave.label(), labels(masters)), at)
             .with_help("raise `reach`, or choose the sides that face each other"),

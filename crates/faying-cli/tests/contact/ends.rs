@@ -128,3 +128,22 @@ fn strips_of_contact_are_told_by_their_own_width() {
         }
     }
 }
+
+/// Beside an edge the cones of means and of values let p/p on splines pull, and its force is a fifth too large: told; that of coefficients
+/// does neither.
+#[test]
+fn a_cone_that_lets_a_contact_pull_beside_an_edge_is_told() {
+    let third = 1.0 / 3.0;
+    let solve = |cone: &str| pressed(CELLS[0], 12, &punch(2.0 * third, [-third; 2]), &format!("multiplier = \"p/p\"\ncone = \"{cone}\""));
+    let known = solve("coefficients").contact["c"].force[2];
+    for (cone, wrong) in [("coefficients", false), ("weights", true), ("values", true)] {
+        let result = solve(cone);
+        let found = &result.contact["c"];
+        let told = result.warnings.iter().any(|d| d.code == "E065" && d.message.contains("\"c\" pulls: its pressure falls to "));
+        assert_eq!(
+            (told, found.pressure.min < 0.0, (found.force[2] / known - 1.0).abs() > 0.1),
+            (wrong, wrong, wrong),
+            "{cone}: {found:?}"
+        );
+    }
+}

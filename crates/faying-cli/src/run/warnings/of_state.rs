@@ -125,6 +125,15 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             ),
             "write mapping = \"exact\", or method = \"lagrange\", or take smaller elements or a higher degree where sides are curved",
         ),
+        Warning::Tension { least, largest, .. } => (
+            format!(
+                "contact \"{name}\" pulls: its pressure falls to {} beside {}, as its cone does not hold it at all points; its force and \
+                 pressure may be off by tens of percent",
+                short(*least),
+                short(*largest)
+            ),
+            "write cone = \"coefficients\", or a multiplier of lower degree, such as \"auto\"",
+        ),
         _ => return None,
     })
 }
