@@ -121,7 +121,10 @@ fn flux<'a, const S: usize, const N: usize, T: Real>(side: &Side<'a, S, N, T>) -
 }
 
 /// d per element of a side, zero for elements that are not in `elements`.
-fn bounds<const S: usize, const N: usize, T: Real>(side: &Side<'_, S, N, T>, elements: &[usize]) -> Result<Vec<T>, CouplingError> {
+pub(crate) fn bounds<const S: usize, const N: usize, T: Real>(
+    side: &Side<'_, S, N, T>,
+    elements: &[usize],
+) -> Result<Vec<T>, CouplingError> {
     let flux = flux(side)?;
     let mut wanted = elements.to_vec();
     wanted.sort_unstable();
@@ -146,7 +149,7 @@ const ALIKE: f64 = 0.05;
 
 /// d per element of the master. The coupling sums the master's flux with the weights of the slave: where these exceed the master's own
 /// measure, as on a slave that is steep to it, d bounds that sum.
-fn master_bounds<const S: usize, const N: usize, T: Real>(
+pub(crate) fn master_bounds<const S: usize, const N: usize, T: Real>(
     side: &Side<'_, S, N, T>,
     segments: &Segments<S, T>,
 ) -> Result<Vec<T>, CouplingError> {

@@ -1,6 +1,5 @@
 //! Pressure at any point of a contact's slave side: that of its multiplier, or where it has none, that of its method.
 
-use super::asked_points::PiecesByMaster;
 use super::contact_fluxes::SideFluxes;
 use super::model::{ContactModel, ContactPart, Model, Opposing};
 use super::state::StepState;
@@ -24,15 +23,15 @@ pub struct PressureEvaluator<const S: usize, const N: usize>(Option<WithoutRows<
 /// Fluxes at the time, and the search for partners on the master.
 #[derive(Debug)]
 struct WithoutRows<const S: usize, const N: usize> {
-    fluxes: Option<SideFluxes<S, N>>,
-    master: Option<(ClosestPoint<S, N, Oriented<Arc<dyn Space<S, N>>>>, PiecesByMaster)>,
+    fluxes: Option<Arc<SideFluxes<S, N>>>,
+    master: Option<ClosestPoint<S, N, Oriented<Arc<dyn Space<S, N>>>>>,
 }
 
 impl<const S: usize, const N: usize> PressureEvaluator<S, N> {
     /// Creates the evaluator of `part` at time `t`.
     pub fn of(model: &Model<S, N>, contact: &ContactModel<S, N>, part: &ContactPart<S, N>, t: f64) -> Self {
         let master = match &part.against {
-            Opposing::Side(master, own) => Some((ClosestPoint::new(master.trace.oriented()), PiecesByMaster::of(own))),
+            Opposing::Side(master, _) => Some(ClosestPoint::new(master.trace.oriented())),
             Opposing::Rigid(..) => None,
         };
         let fluxes = || contact.method.needs().fluxes.then(|| part.sides().fluxes(model, t));
@@ -60,7 +59,7 @@ impl<const S: usize, const N: usize> PressureEvaluator<S, N> {
         part.slave.trace.space.map(element, xi, Order::Gradients, &mut map);
         for (q, x) in map.x.iter().enumerate() {
             let (other, eta) = match (&own.master, &part.against) {
-                (Some((closest, _)), Opposing::Side(master, _)) => {
+                (Some(closest), Opposing::Side(master, _)) => {
                     let outward = part.slave.trace.normal(element, &map.jacobian[q]);
                     let foot = closest.project_opposed(x, &outward, closest.size() * BESIDE);
                     let Some(foot) = foot.filter(|foot| contact.reach.is_none_or(|r| foot.distance <= r)) else { continue };
@@ -76,11 +75,8 @@ impl<const S: usize, const N: usize> PressureEvaluator<S, N> {
             segments.push_piece(element, other, [(xi[q], eta, 0.0)]);
             asked.push(q);
         }
-        if let (Some((_, pieces)), Opposing::Side(_, own)) = (&own.master, &part.against) {
-            pieces.complete(own, &mut segments);
-        }
-        if let Some(values) = contact.values(model, part, own.fluxes.as_ref(), &segments, (&state.u, state.t)) {
-            for (k, &point) in values.point.iter().enumerate().filter(|(_, point)| **point < asked.len()) {
+        if let Some(values) = contact.values(model, part, own.fluxes.as_deref(), &segments, (&state.u, state.t)) {
+            for (k, &point) in values.point.iter().enumerate() {
                 all[asked[point]] = [values.lambda[k], values.gap[k]];
             }
         }

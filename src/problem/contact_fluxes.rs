@@ -1,9 +1,13 @@
 //! Fluxes of the bodies at both sides of a contact, for methods that need them.
 
+use super::bounded_flux::BoundedFlux;
 use super::contact_rows::ContactSides;
-use super::model::{BodySide, Model};
+use super::model::{Model, Opposing};
+use crate::contact::ContactKinematics;
+use crate::coupling::Segments;
 use crate::linalg::Vector;
 use crate::physics::{Flux, FluxTable};
+use std::sync::Arc;
 
 /// Flux through several sides that are joined into one.
 #[derive(Debug)]
@@ -39,37 +43,45 @@ impl<const S: usize, const N: usize> Flux<S, N> for JoinedFlux<S, N> {
 
 /// The fluxes through both sides of a contact at a time.
 #[derive(Debug)]
-pub(super) struct SideFluxes<const S: usize, const N: usize> {
-    slave: Box<dyn Flux<S, N>>,
-    master: JoinedFlux<S, N>,
+pub struct SideFluxes<const S: usize, const N: usize> {
+    slave: BoundedFlux<S, N>,
+    master: Option<BoundedFlux<S, N>>,
 }
 
 impl<const S: usize, const N: usize> SideFluxes<S, N> {
     /// The flux through the slave side.
     pub(super) fn slave(&self) -> &dyn Flux<S, N> {
-        &*self.slave
+        &self.slave
     }
 
-    /// The flux through the master sides, joined into one.
-    pub(super) fn master(&self) -> &dyn Flux<S, N> {
-        &self.master
+    /// The flux through the master sides, joined into one; `None` against an obstacle.
+    pub(super) fn master(&self) -> Option<&dyn Flux<S, N>> {
+        self.master.as_ref().map(|flux| flux as _)
     }
 }
 
 impl<const S: usize, const N: usize> ContactSides<'_, S, N> {
-    /// The fluxes of the bodies at time `t`.
-    pub(super) fn fluxes(&self, model: &Model<S, N>, t: f64) -> SideFluxes<S, N> {
-        let of = |side: &BodySide<S, N>| {
-            let patch = &model.patches[side.patch];
-            patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field, patch.is_revolved())
-        };
-        let mut next = 0;
-        let runs = self.masters.iter().map(|m| {
-            let first = next;
-            next += m.trace.facets.len();
-            (first, of(m))
-        });
-        SideFluxes { slave: of(self.slave), master: JoinedFlux { runs: runs.collect() } }
+    /// The fluxes of the bodies at time `t`, with their bounds on the points that face each other.
+    pub(super) fn fluxes(&self, model: &Model<S, N>, t: f64) -> Arc<SideFluxes<S, N>> {
+        let t = if self.change(model) { t } else { 0.0 };
+        self.fluxes.at(t, || {
+            let (flux, field) = (model.flux(self.slave, t), model.patches[self.slave.patch].field);
+            let slave = |segments: &Segments<S>| BoundedFlux::of_slave(flux, self.slave, field, &segments.slave);
+            let (master, segments) = match self.against {
+                Opposing::Rigid(_, segments, _) => return SideFluxes { slave: slave(segments), master: None },
+                Opposing::Side(master, segments) => (master, segments),
+            };
+            let faced = ContactKinematics::against_master(&self.slave.trace, &master.trace, segments).ok();
+            let segments = faced.as_ref().map_or(segments, |(segments, _)| segments);
+            let mut next = 0;
+            let runs = self.masters.iter().map(|m| {
+                let first = next;
+                next += m.trace.facets.len();
+                (first, model.flux(m, t))
+            });
+            let joined = Box::new(JoinedFlux { runs: runs.collect() });
+            SideFluxes { slave: slave(segments), master: Some(BoundedFlux::of_master(joined, master, master.field, segments)) }
+        })
     }
 
     /// Whether a material of the bodies changes with the time.

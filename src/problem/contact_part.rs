@@ -8,6 +8,7 @@ use super::facing_obstacle::is_turned_round;
 use super::held_part::HeldPart;
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
+use super::last_time::LastTime;
 use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing};
 use super::multipliers::{unstable_pairing, wrapped, wrapped_in_order};
 use super::tie_part::{finer_segments, points_of};
@@ -79,7 +80,9 @@ where
         let cone = if needs.multiplier { setup.contact.own.cone } else { Cone::default() };
         let (psi, masters) = (multiplier.as_deref(), setup.masters);
         let closes = if setup.contact.own.adjust { explained(&self.patches, slave, masters) } else { 0.0 };
-        let sides = ContactSides { slave, against: &against, masters, multiplier: psi, cone, second: second.as_ref(), closes };
+        let fluxes = LastTime::default();
+        let sides =
+            ContactSides { slave, against: &against, masters, multiplier: psi, cone, second: second.as_ref(), closes, fluxes: &fluxes };
         let moves = contact.obstacle.as_ref().is_some_and(|o| o.changes);
         let changes = moves || contact.gap.depends_on_time() || (needs.fluxes && sides.change(self));
         // an obstacle may come within reach later
@@ -105,6 +108,7 @@ where
                     masters: masters.to_vec(),
                     first,
                     closes,
+                    fluxes,
                     changes,
                     first_row: self.rows,
                 });

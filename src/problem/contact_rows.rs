@@ -1,6 +1,7 @@
 //! Rows, offsets and weights of contacts at a time and at a place of their obstacles, as their method makes them.
 
 use super::contact_fluxes::SideFluxes;
+use super::last_time::LastTime;
 use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing};
 use super::rigid_bodies::unit;
 use crate::basis::Basis;
@@ -26,6 +27,8 @@ pub(super) struct ContactSides<'a, const S: usize, const N: usize> {
     pub second: Option<&'a Segments<S>>,
     /// Largest gap or overlap at rest that is closed \[length\].
     pub closes: f64,
+    /// Fluxes of the bodies, if the method needs them.
+    pub fluxes: &'a LastTime<SideFluxes<S, N>>,
 }
 
 impl<const S: usize, const N: usize> ContactPart<S, N> {
@@ -39,6 +42,7 @@ impl<const S: usize, const N: usize> ContactPart<S, N> {
             cone: self.cone,
             second: self.second.as_ref(),
             closes: self.closes,
+            fluxes: &self.fluxes,
         }
     }
 }
@@ -65,7 +69,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         };
         match sides.against {
             Opposing::Side(master, own) => {
-                let master = Side { trace: &master.trace, field: master.field, flux: fluxes.map(SideFluxes::master) };
+                let master = Side { trace: &master.trace, field: master.field, flux: fluxes.and_then(SideFluxes::master) };
                 ask(&at(Opponent::Master(master), own, &[]))
             }
             Opposing::Rigid(obstacle, own, rules) => {
@@ -94,7 +98,7 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         place: Option<&[f64]>,
     ) -> Result<ContactRows<S, N>, ContactError> {
         let fluxes = self.method.needs().fluxes.then(|| sides.fluxes(model, t));
-        let rows = self.seen(model, sides, fluxes.as_ref(), None, (t, place), |at| self.method.rows(at))?;
+        let rows = self.seen(model, sides, fluxes.as_deref(), None, (t, place), |at| self.method.rows(at))?;
         rows.sound(sides.multiplier.map(Basis::num_functions), model.unknowns).map(|()| rows)
     }
 

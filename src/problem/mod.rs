@@ -5,7 +5,6 @@
 //! system consists of.
 
 mod arc_length;
-mod asked_points;
 mod assemble;
 mod assembled;
 mod at_rest;
@@ -13,6 +12,7 @@ mod axis;
 mod blocked;
 mod body_locators;
 mod body_spec;
+mod bounded_flux;
 mod builder;
 mod changing;
 mod climb;
@@ -64,6 +64,7 @@ mod interface_view;
 mod joints;
 mod lambda_error;
 mod lambda_field;
+mod last_time;
 mod linearised;
 mod load_accuracy;
 mod loads;

@@ -17,8 +17,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     pub(super) fn force_through<'a>(&self, sides: impl IntoIterator<Item = &'a BodySide<S, N>>, state: &StepState<S, N>) -> Resultant {
         let (mut sum, mut table, mut map) = (Resultant::default(), FluxTable::default(), MapTable::new());
         for side in sides {
-            let (patch, space) = (&self.patches[side.patch], &side.trace.space);
-            let flux = patch.physics_at(state.t).flux(patch.body.space(), &side.trace, patch.field, patch.is_revolved());
+            let (space, flux) = (&side.trace.space, self.flux(side, state.t));
             for e in 0..space.num_elements() {
                 let rule = side.rules.rule(e);
                 space.map(e, &rule.points, Order::Gradients, &mut map);

@@ -1,6 +1,5 @@
 //! lambda of a tie at any point of its slave side: that of its multiplier, or where it has none, that of the fluxes by its coupling.
 
-use super::asked_points::PiecesByMaster;
 use super::model::{Model, Pairing, TiePart};
 use super::state::StepState;
 use super::tie_fluxes::Fluxes;
@@ -18,14 +17,14 @@ pub struct TractionEvaluator<const S: usize, const N: usize>(Option<WithoutRows<
 /// Fluxes at the time, and the search for partners on the masters.
 #[derive(Debug)]
 struct WithoutRows<const S: usize, const N: usize> {
-    fluxes: Fluxes<S, N>,
-    masters: Vec<(ClosestPoint<S, N, Arc<dyn Space<S, N>>>, PiecesByMaster)>,
+    fluxes: Arc<Fluxes<S, N>>,
+    masters: Vec<ClosestPoint<S, N, Arc<dyn Space<S, N>>>>,
 }
 
 impl<const S: usize, const N: usize> TractionEvaluator<S, N> {
     /// Creates the evaluator of `part` at time `t`.
     pub fn of(model: &Model<S, N>, part: &TiePart<S, N>, t: f64) -> Self {
-        let closest = |p: &Pairing<S, N>| (ClosestPoint::new(Arc::clone(&p.master.trace.space)), PiecesByMaster::of(&p.segments));
+        let closest = |p: &Pairing<S, N>| ClosestPoint::new(Arc::clone(&p.master.trace.space));
         let without = || WithoutRows { fluxes: part.fluxes(model, t), masters: part.pairings.iter().map(closest).collect() };
         Self(part.multipliers.is_empty().then(without))
     }
@@ -63,13 +62,12 @@ impl<const S: usize, const N: usize> TractionEvaluator<S, N> {
         let mut all = vec![vec![f64::NAN; xi.len()]; model.components];
         let mut asked: Vec<(Segments<S>, Vec<usize>)> = part.pairings.iter().map(|_| (Segments::new(), Vec::new())).collect();
         for (q, x) in map.x.iter().enumerate() {
-            let feet = own.masters.iter().enumerate().filter_map(|(k, m)| Some((k, m.0.project(x)?)));
+            let feet = own.masters.iter().enumerate().filter_map(|(k, m)| Some((k, m.project(x)?)));
             let Some((k, foot)) = feet.min_by(|a, b| a.1.distance.total_cmp(&b.1.distance)) else { continue };
             asked[k].0.push_piece(element, foot.element, [(xi[q], foot.xi, 0.0)]);
             asked[k].1.push(q);
         }
-        for (k, (segments, points)) in asked.iter_mut().enumerate().filter(|(_, (_, points))| !points.is_empty()) {
-            own.masters[k].1.complete(&part.pairings[k].segments, segments);
+        for (k, (segments, points)) in asked.iter().enumerate().filter(|(_, (_, points))| !points.is_empty()) {
             let found = part.numerical_flux(model, k, &own.fluxes, Some(segments), &state.u);
             for (all, found) in all.iter_mut().zip(&found) {
                 points.iter().zip(found).for_each(|(&q, &v)| all[q] = v);

@@ -1,27 +1,44 @@
 //! Fluxes of the bodies at the sides of a tie, for couplings that add stiffness.
 
-use super::model::{BodySide, Model, TiePart};
+use super::bounded_flux::BoundedFlux;
+use super::model::{BodySide, Model, Pairing, TiePart};
 use crate::basis::Basis;
 use crate::coupling::consistency::StiffnessEstimate;
 use crate::coupling::{Coupling, CouplingBlocks, CouplingError, Interface, Segments, Side};
 use crate::linalg::{Csr, Triplets};
-use crate::physics::Flux;
+use std::sync::Arc;
 
 /// The fluxes through both sides of a tied part at a time.
 #[derive(Debug)]
 pub struct Fluxes<const S: usize, const N: usize> {
-    slave: Box<dyn Flux<S, N>>,
-    masters: Vec<Box<dyn Flux<S, N>>>,
+    slave: BoundedFlux<S, N>,
+    masters: Vec<BoundedFlux<S, N>>,
 }
 
 impl<const S: usize, const N: usize> TiePart<S, N> {
-    /// The fluxes of the bodies at time `t`.
-    pub fn fluxes(&self, model: &Model<S, N>, t: f64) -> Fluxes<S, N> {
-        let of = |side: &BodySide<S, N>| {
-            let patch = &model.patches[side.patch];
-            patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field, patch.is_revolved())
-        };
-        Fluxes { slave: of(&self.slave), masters: self.pairings.iter().map(|p| of(&p.master)).collect() }
+    /// The fluxes of the bodies at time `t`, with their bounds if the coupling is one of fluxes.
+    pub fn fluxes(&self, model: &Model<S, N>, t: f64) -> Arc<Fluxes<S, N>> {
+        let t = if self.materials_change(model) { t } else { 0.0 };
+        self.fluxes.at(t, || {
+            let of = |side: &BodySide<S, N>| model.flux(side, t);
+            if self.coupling.has_rows() {
+                let masters = self.pairings.iter().map(|p| BoundedFlux::unbounded(of(&p.master)));
+                return Fluxes { slave: BoundedFlux::unbounded(of(&self.slave)), masters: masters.collect() };
+            }
+            let elements: Vec<usize> = self.pairings.iter().flat_map(|p| p.segments.slave.iter().copied()).collect();
+            let field = |side: &BodySide<S, N>| model.patches[side.patch].field;
+            let master = |p: &Pairing<S, N>| BoundedFlux::of_master(of(&p.master), &p.master, field(&p.master), &p.segments);
+            Fluxes {
+                slave: BoundedFlux::of_slave(of(&self.slave), &self.slave, field(&self.slave), &elements),
+                masters: self.pairings.iter().map(master).collect(),
+            }
+        })
+    }
+
+    /// Whether a material of the bodies changes with the time.
+    fn materials_change(&self, model: &Model<S, N>) -> bool {
+        let sides = self.pairings.iter().map(|p| &p.master).chain([&self.slave]);
+        sides.map(|s| s.patch).any(|k| model.patches[k].changing.is_some())
     }
 
     /// Returns the interface with master `k` for couplings, on its own segments or on others.
@@ -34,10 +51,14 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
         segments: Option<&'a Segments<S>>,
     ) -> Interface<'a, S, N> {
         let pairing = &self.pairings[k];
-        let side = |side: &'a BodySide<S, N>, flux| Side { trace: &side.trace, field: model.patches[side.patch].field, flux: Some(flux) };
+        let side = |side: &'a BodySide<S, N>, flux: &'a BoundedFlux<S, N>| Side {
+            trace: &side.trace,
+            field: model.patches[side.patch].field,
+            flux: Some(flux),
+        };
         Interface {
-            slave: side(&self.slave, &*fluxes.slave),
-            master: Some(side(&pairing.master, &*fluxes.masters[k])),
+            slave: side(&self.slave, &fluxes.slave),
+            master: Some(side(&pairing.master, &fluxes.masters[k])),
             multiplier,
             segments: segments.unwrap_or(&pairing.segments),
             master_segments: pairing.second.as_ref().filter(|_| segments.is_none()),
@@ -83,8 +104,7 @@ impl<const S: usize, const N: usize> TiePart<S, N> {
 
     /// Whether the stiffness depends on materials that change with the time.
     pub fn changes(&self, model: &Model<S, N>) -> bool {
-        let sides = self.pairings.iter().map(|p| &p.master).chain([&self.slave]);
-        !self.stiffness.entries.is_empty() && sides.map(|s| s.patch).any(|k| model.patches[k].changing.is_some())
+        !self.stiffness.entries.is_empty() && self.materials_change(model)
     }
 
     /// Assembles the stiffness between the bodies at time `t`.

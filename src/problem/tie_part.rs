@@ -4,6 +4,7 @@ use super::coupled::{Tie, TiePair};
 use super::fixed::Eliminated;
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
+use super::last_time::LastTime;
 use super::model::{BodySide, Model, Pairing, TiePart};
 use super::multipliers::{unstable_pairing, wrapped};
 use super::rigid_rows::function_sums;
@@ -132,6 +133,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             penalty: None,
             finer: None,
             finer_stiffness: None,
+            fluxes: LastTime::default(),
             first_row: self.rows,
             num_rows: 0,
         };

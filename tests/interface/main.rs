@@ -4,6 +4,7 @@
 mod abilities;
 mod answers;
 mod auto_multiplier;
+mod changing_materials;
 mod common;
 mod contact;
 mod contact_methods;

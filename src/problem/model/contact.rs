@@ -6,8 +6,10 @@ use crate::contact::{Cone, ContactMethod, ContactRows};
 use crate::coupling::consistency::ConsistencyEstimate;
 use crate::coupling::{Rows, Segments};
 use crate::linalg::Vector;
+use crate::problem::contact_fluxes::SideFluxes;
 use crate::problem::data::{Data, Point};
 use crate::problem::handles::ContactId;
+use crate::problem::last_time::LastTime;
 use crate::problem::obstacle::MovingObstacle;
 use crate::problem::start::Start;
 use crate::quadrature::PerElement;
@@ -62,6 +64,8 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub first: ContactRows<S, N>,
     /// Largest gap or overlap at rest that facets explain and the contact closes \[length\].
     pub closes: f64,
+    /// Fluxes of the bodies, if the method needs them.
+    pub fluxes: LastTime<SideFluxes<S, N>>,
     /// Whether they change with the time.
     pub changes: bool,
     /// First row in the system.

@@ -19,6 +19,7 @@ use super::facets_apart::FacetsApart;
 use super::glued::{Glued, SharedPoint};
 use crate::assembly::Equation;
 use crate::linalg::Vector;
+use crate::physics::Flux;
 use std::sync::Arc;
 
 /// A problem, ready to be assembled.
@@ -129,6 +130,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// Number of unknowns without those that gluing makes dependent.
     pub fn num_primal(&self) -> usize {
         self.unknowns - self.glued.num_bound()
+    }
+
+    /// The flux of a body on one of its sides at time `t`.
+    pub(super) fn flux(&self, side: &BodySide<S, N>, t: f64) -> Box<dyn Flux<S, N>> {
+        let patch = &self.patches[side.patch];
+        patch.physics_at(t).flux(patch.body.space(), &side.trace, patch.field, patch.is_revolved())
     }
 
     /// All conditions between unknowns: glued functions first.

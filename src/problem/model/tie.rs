@@ -8,6 +8,8 @@ use crate::linalg::Triplets;
 use crate::problem::data::Data;
 use crate::problem::function_sums::FunctionSums;
 use crate::problem::handles::TieId;
+use crate::problem::last_time::LastTime;
+use crate::problem::tie_fluxes::Fluxes;
 use std::sync::Arc;
 
 /// A slave side paired with one master side.
@@ -50,6 +52,8 @@ pub struct TiePart<const S: usize, const N: usize> {
     pub finer: Option<ConsistencyEstimate>,
     /// Defect of the stiffness against a finer integration, of couplings without rows.
     pub finer_stiffness: Option<StiffnessEstimate>,
+    /// Fluxes of the bodies.
+    pub fluxes: LastTime<Fluxes<S, N>>,
     /// First row in the system.
     pub first_row: usize,
     /// Number of rows.
