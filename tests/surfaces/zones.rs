@@ -24,7 +24,8 @@ fn on_a_ball(kind: Kind, degree: usize, cone: Cone, multiplier: MultiplierKind, 
     (system.solve(0.0, None).unwrap(), contact)
 }
 
-fn closed(solution: &Solution<2, 3>, contact: ContactId) -> Vec<bool> {
+/// Whether each function of the multiplier is closed.
+pub fn closed(solution: &Solution<2, 3>, contact: ContactId) -> Vec<bool> {
     solution.along(contact, 0).unwrap().unwrap().points().iter().map(|p| p.active).collect()
 }
 
