@@ -58,9 +58,11 @@ pub(super) struct ZoneExtent<const N: usize> {
     origin: Option<Vector<N>>,
     /// Centres of those that face the opponent, with whether they are closed.
     centres: Vec<(Vector<N>, bool)>,
-    /// Those that are closed.
-    strips: Vec<Member<N>>,
+    /// The closed functions, one by one.
+    members: Vec<Member<N>>,
+    /// Sums over all that face the opponent.
     facing: ZoneMoments<N>,
+    /// Sums over the closed ones.
     closed: ZoneMoments<N>,
 }
 
@@ -87,12 +89,12 @@ impl<const N: usize> ZoneMoments<N> {
     }
 }
 
-/// Weight and centre of a function, and the matrix G of the distance (d . G d)^1/2 in knots.
+/// A closed function: weight and centre, and the matrix G of the distance (d . G d)^1/2 in knots.
 struct Member<const N: usize> {
     weight: f64,
     centre: Vector<N>,
     metric: Matrix<N, N>,
-    /// Distance of knots in the direction in which it is largest.
+    /// Bound of the distance of knots in any direction: that of the trace of the second moments.
     size: f64,
 }
 
@@ -118,16 +120,16 @@ struct Function<const N: usize> {
 
 impl<const N: usize> ZoneExtent<N> {
     pub(super) fn new() -> Self {
-        Self { origin: None, centres: Vec::new(), strips: Vec::new(), facing: ZoneMoments::new(), closed: ZoneMoments::new() }
+        Self { origin: None, centres: Vec::new(), members: Vec::new(), facing: ZoneMoments::new(), closed: ZoneMoments::new() }
     }
 
-    /// Adds the functions of a slave side, or its elements where rows belong to points; `members` are those that face the opponent, with
-    /// whether they are closed.
-    pub(super) fn add<const S: usize>(&mut self, part: &ContactPart<S, N>, rows: &ContactRows<S, N>, members: &[Option<bool>]) {
+    /// Adds the functions of a slave side, or its elements where rows belong to points; `states` says of those that
+    /// face the opponent whether they are closed.
+    pub(super) fn add<const S: usize>(&mut self, part: &ContactPart<S, N>, rows: &ContactRows<S, N>, states: &[Option<bool>]) {
         let space = &*part.slave.trace.space;
         let psi = part.multiplier.as_deref().filter(|_| rows.row_of_points().is_none());
         let none = || Function { weight: 0.0, first: Vector::zeros(), second: DMatrix::zeros(N, N), degree: 0.0 };
-        let mut functions: Vec<Function<N>> = members.iter().map(|_| none()).collect();
+        let mut functions: Vec<Function<N>> = states.iter().map(|_| none()).collect();
         let (mut ids, mut table, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
         for e in 0..space.num_elements() {
             let rule = part.slave.rules.rule(e);
@@ -154,13 +156,13 @@ impl<const N: usize> ZoneExtent<N> {
                 }
             }
         }
-        for (of, member) in functions.iter().zip(members).filter(|(of, _)| of.weight > 0.0) {
-            let Some(is_closed) = member else { continue };
+        for (of, state) in functions.iter().zip(states).filter(|(of, _)| of.weight > 0.0) {
+            let Some(is_closed) = state else { continue };
             self.centres.push((of.first / of.weight, *is_closed));
             self.facing.add(of);
             if *is_closed {
                 self.closed.add(of);
-                self.strips.extend(Member::of(of));
+                self.members.extend(Member::of(of));
             }
         }
     }
@@ -190,7 +192,7 @@ impl<const N: usize> ZoneExtent<N> {
 
     /// The number of functions across the strips of which the zone consists, and how many there should be; `None` where they have an inside.
     pub(super) fn across_strips(&self) -> Option<(f64, usize)> {
-        let size = self.strips.iter().map(|m| m.size).fold(0.0, f64::max) * BESIDE;
+        let size = self.members.iter().map(|m| m.size).fold(0.0, f64::max) * BESIDE;
         if !(size > 0.0 && size.is_finite()) {
             return None;
         }
@@ -207,7 +209,7 @@ impl<const N: usize> ZoneExtent<N> {
             })
         };
         let weight = |all: &mut dyn Iterator<Item = &Member<N>>| all.map(|m| m.weight).sum::<f64>();
-        let share = weight(&mut self.strips.iter().filter(is_inside)) / weight(&mut self.strips.iter());
+        let share = weight(&mut self.members.iter().filter(is_inside)) / weight(&mut self.members.iter());
         Some(2.0 / (1.0 - share)).filter(|n| *n < NO_INSIDE).map(|n| (n, FEWEST))
     }
 

@@ -46,7 +46,7 @@ pub fn diagnostic(case: &Case, warning: &Warning) -> Option<Diagnostic> {
             "take more elements along the side, mapping = \"exact\" or backend = \"iga\", or give lambda as `exact` of the interface",
         ),
         _ => {
-            let (text, help) = of_interface(warning, of).or_else(|| of_body(warning, name))?;
+            let (text, help) = of_interface(warning, of).or_else(|| of_pressure(warning, name)).or_else(|| of_body(warning, name))?;
             ("E065", text, block()?, help)
         }
     };
@@ -104,6 +104,13 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             ),
             "give the slave side more elements, or let the finer side be the slave; no `factor` holds what the multiplier does not see",
         ),
+        _ => return None,
+    })
+}
+
+/// Text and help of a warning about the pressure of a contact at points.
+fn of_pressure(warning: &Warning, name: &str) -> Option<(String, &'static str)> {
+    Some(match warning {
         Warning::GapPressure { pressure, from_gap, gap, x, .. } => (
             format!(
                 "the pressure of contact \"{name}\" at points is not the stress of its bodies: at {} {} of {} is the factor times a gap of {}; its \
