@@ -47,8 +47,14 @@ pub(super) struct SlaveOf<'a, const S: usize, const N: usize> {
     pub on_seam: &'a dyn Fn(usize) -> bool,
 }
 
-/// A multiplier, the functions through which it is read, and the unstable pairing that it is under another name.
-type Chosen<const S: usize> = (Box<dyn Basis<S>>, Option<Box<dyn Basis<S>>>, Option<(usize, usize)>);
+/// A multiplier and what is known of it: fields of [`ContactPart`].
+#[derive(Default)]
+struct Chosen<const S: usize> {
+    multiplier: Option<Box<dyn Basis<S>>>,
+    reading: Option<Box<dyn Basis<S>>>,
+    unstable: Option<(usize, usize)>,
+    held: Vec<usize>,
+}
 
 /// The opponent, its second segments, and finer ones.
 type Opposed<const S: usize, const N: usize> = (Opposing<S, N>, Option<Segments<S>>, Option<Segments<S>>);
@@ -73,9 +79,9 @@ where
             return Err(InterfaceError::Refused { pressed: refused.0, mixed: refused.1 });
         }
         let (against, second, finer) = self.opponent(contact, setup)?;
-        let (multiplier, reading, unstable) = match needs.multiplier {
-            true => self.contact_multiplier(contact, setup, &against).map(|(psi, reading, unstable)| (Some(psi), reading, unstable))?,
-            false => (None, None, None),
+        let Chosen { multiplier, reading, unstable, held } = match needs.multiplier {
+            true => self.contact_multiplier(contact, setup, &against)?,
+            false => Chosen::default(),
         };
         let cone = if needs.multiplier { setup.contact.own.cone } else { Cone::default() };
         let (psi, masters) = (multiplier.as_deref(), setup.masters);
@@ -99,6 +105,7 @@ where
                     multiplier,
                     reading,
                     unstable,
+                    held,
                     is_dual: needs.multiplier && setup.contact.multiplier.is_dual(),
                     cone,
                     against,
@@ -199,7 +206,8 @@ where
         // of surfaces some of these lie on an edge, and are lowered with it
         let on_edge = |f: usize| S > 1 && !normals.iter().any(|list| list.contains_key(&f)) && moves_never(&inner, f);
         // a function shared by two slave sides would get two multipliers: it counts as constrained
-        let stuck = |function: usize| (setup.on_seam)(function) || moves_never(&normals, function) || on_edge(function);
+        let is_held = |function: usize| moves_never(&normals, function) || on_edge(function);
+        let stuck = |function: usize| (setup.on_seam)(function) || is_held(function);
         let held = |f: usize| stuck(f) || moves_never(&inner, f) || (0..N).all(|c| taken(f, c));
         let free = slave.trace.dofs.iter().filter(|&&f| !held(f)).map(|&f| self.function(slave.patch, f)).collect::<HashSet<_>>().len();
         let components: Vec<usize> =
@@ -239,7 +247,8 @@ where
             };
             psi = part.given(psi);
         }
-        Ok((psi, reading, unstable))
+        let held = slave.trace.dofs.iter().copied().filter(|&f| is_held(f)).collect();
+        Ok(Chosen { multiplier: Some(psi), reading, unstable, held })
     }
 
     /// Rows on finer segments, against which the consistency error is estimated: those of the multiplier, without one of a constant per

@@ -45,6 +45,8 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub reading: Option<Box<dyn Basis<S>>>,
     /// (p, k) if the multiplier is the unstable pairing p/p-k under another name.
     pub unstable: Option<(usize, usize)>,
+    /// Functions of the body on the side that cannot move along the normals; none without multiplier.
+    pub held: Vec<usize>,
     /// Whether the multiplier is the dual one of the side.
     pub is_dual: bool,
     /// Cone of admissible multipliers.

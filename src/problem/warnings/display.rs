@@ -109,6 +109,9 @@ impl Display for Warning {
                 let [least, largest] = [least, largest].map(|v| digits(*v));
                 write!(f, "{of} pulls: its pressure falls to {least} beside {largest}, as its cone does not hold it at all points")
             }
+            Self::HeldWithin { of, depth, x } => {
+                write!(f, "{of}: its slave side is held {} deep in what it faces at {}", digits(*depth), place(x))
+            }
             Self::Kinematics { of, strain, rotation, allowed } => kinematics(of, [strain, rotation], *allowed, f),
         }
     }

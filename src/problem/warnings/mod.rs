@@ -23,6 +23,7 @@
 //! | `coarse_tie` | places of bodies whose tie has too coarse a multiplier |
 //! | `gap_pressure` | pressures at points that come from gaps, or from waves of facets, and not from the stress of the bodies |
 //! | `tension` | forces and pressures of contacts whose cone lets them pull |
+//! | `held_within` | places of bodies, and pressures beside parts of a side that are held inside of what it faces |
 //! | `kinematics` | all, where bodies deform too far for small kinematics |
 //!
 //! Loads, springs, prescribed values and moduli that jump inside of elements or have no bound are found by [`Model::inexact_integrals`].
@@ -37,6 +38,7 @@ mod facets;
 mod flux_jumps;
 mod gap_pressure;
 mod hardly_held;
+mod held_within;
 mod integration;
 mod kinematics;
 mod left_open;
@@ -103,6 +105,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(coarse_tie::coarse_ties(self, state));
         found.extend(gap_pressure::gap_pressures(self, state));
         found.extend(tension::tensions(self, state));
+        found.extend(held_within::held_within(self, state));
         found.extend(kinematics::kinematics(self, state));
         found
     }

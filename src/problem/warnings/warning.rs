@@ -309,6 +309,15 @@ pub enum Warning {
         /// The largest pressure \[force/area\].
         largest: f64,
     },
+    /// A part of a contact's slave side is held inside of what it faces, deeper than a tenth of the largest displacement.
+    HeldWithin {
+        /// The contact.
+        of: Subject,
+        /// The largest depth at a point of the integration \[length\].
+        depth: f64,
+        /// Where that is.
+        x: Vec<f64>,
+    },
     /// A contact closes gaps or overlaps at rest that facets do not explain.
     Adjusted {
         /// The contact.
@@ -379,6 +388,7 @@ impl Warning {
             | Self::GapPressure { of, .. }
             | Self::WavyFacets { of, .. }
             | Self::Tension { of, .. }
+            | Self::HeldWithin { of, .. }
             | Self::Kinematics { of, .. } => Some(of),
             Self::CornerValues { .. } | Self::FacetsApart(_) | Self::Inexact(_) | Self::CoarseValues { .. } => None,
         }

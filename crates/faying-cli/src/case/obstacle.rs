@@ -41,15 +41,10 @@ impl Reader {
     }
 
     fn obstacle_shape(&mut self, b: &mut Block, kind: &str, at: crate::place::SourceSpan) -> Option<ObstacleShape> {
-        let axis = |r: &mut Self, b: &Block| {
-            let v = r.required_vector(b, "axis");
-            r.unit(v, "axis")
-        };
         Some(match kind {
             "half-plane" => {
                 let point = self.required_vector(b, "point");
-                let normal = self.required_vector(b, "normal");
-                let normal = if b.has("normal") { self.unit(normal, "normal") } else { normal };
+                let normal = self.required_direction(b, "normal");
                 ObstacleShape::HalfPlane { point, normal }
             }
             "sphere" => ObstacleShape::Sphere {
@@ -59,12 +54,12 @@ impl Reader {
             },
             "cylinder" => ObstacleShape::Cylinder {
                 center: self.required_vector(b, "center"),
-                axis: axis(self, b),
+                axis: self.required_direction(b, "axis"),
                 radius: self.required_number(b, "radius"),
             },
             "torus" => ObstacleShape::Torus {
                 center: self.required_vector(b, "center"),
-                axis: axis(self, b),
+                axis: self.required_direction(b, "axis"),
                 radius: {
                     // [R, r]: the tube is thinner
                     let node = self.required(b, "radius")?;
@@ -79,7 +74,7 @@ impl Reader {
             "level-set" => {
                 let f = self.required(b, "f").and_then(|n| self.formula_of(&n, "f", Uses::Space));
                 let along = b.node("along").cloned().and_then(|n| self.vector_of(&n, "along", false));
-                let along = along.map(|v| self.unit(v, "along"));
+                let along = along.and_then(|v| self.unit(v, "along"));
                 ObstacleShape::LevelSet { f: f?, along }
             }
             _ => {
@@ -100,17 +95,24 @@ impl Reader {
         })
     }
 
-    // a direction of length 1
-    fn unit(&mut self, v: Located<Vec<f64>>, what: &str) -> Located<Vec<f64>> {
+    /// A direction of length 1; a coordinate axis where it is refused.
+    fn required_direction(&mut self, b: &Block, key: &str) -> Located<Vec<f64>> {
+        let given = self.required(b, key).and_then(|node| self.vector_of(&node, key, false));
+        let scaled = given.and_then(|v| self.unit(v, key));
+        scaled.unwrap_or_else(|| Located::new((0..self.dimension).map(|k| f64::from(u8::from(k == 0))).collect(), b.at))
+    }
+
+    /// A vector scaled to length 1; `None` if it is zero.
+    fn unit(&mut self, v: Located<Vec<f64>>, what: &str) -> Option<Located<Vec<f64>>> {
         let largest = v.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         if largest == 0.0 {
             self.fault("E015", v.at, format!("`{what}` must not be zero"), "");
-            return v;
+            return None;
         }
         // scaled first: squares of tiny or huge numbers leave the range
         let scaled: Vec<f64> = v.iter().map(|x| x / largest).collect();
         let length = scaled.iter().map(|x| x * x).sum::<f64>().sqrt();
-        Located::new(scaled.iter().map(|x| x / length).collect(), v.at)
+        Some(Located::new(scaled.iter().map(|x| x / length).collect(), v.at))
     }
 }
 

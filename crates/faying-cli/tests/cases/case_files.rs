@@ -422,6 +422,9 @@ fn e015_ranges_words_and_keys_of_other_kinds() {
     fails(&with("slave =", "factor = 10\nslave ="), "E015", "`factor` is not a key of method = \"lagrange\"", "10");
     let rigid = "rigid = { kind = \"half-plane\", point = [0, 0], normal = [0, 0] }";
     fails(&with("master = \"lower.top\"", rigid), "E015", "`normal` must not be zero", "[0, 0] }\n\n[[probe]]");
+    // a vector that is too short is one error
+    let short = parse(&with("master = \"lower.top\"", &rigid.replace("[0, 0] }", "[1] }"))).unwrap_err().render();
+    assert_eq!(short.matches("error[").count(), 1, "{short}");
     fails(
         &with("master = \"lower.top\"", &format!("master = \"lower.top\"\n{rigid}")),
         "E015",

@@ -147,3 +147,32 @@ fn a_cone_that_lets_a_contact_pull_beside_an_edge_is_told() {
         );
     }
 }
+
+/// A rigid plane sinks by 0.01 into a block whose side beside it is held at its place, or is moved by so much along the normal: what the
+/// plane leaves of it is told from a tenth of the displacement on.
+#[test]
+fn a_side_that_is_held_inside_of_an_obstacle_is_told() {
+    let solve = |dimension: usize, cells: &str, moved: f64, keys: &str| {
+        let (axis, min, max, elements, normal) = match dimension {
+            2 => ("y", "[0, -1]", "[1, 0]", "[6, 4]", "[0, -1]"),
+            _ => ("z", "[0, 0, -1]", "[1, 1, 0]", "[4, 3, 3]", "[0, 0, -1]"),
+        };
+        let (all, point) = (["\"x\", \"y\"", "\"x\", \"y\", \"z\""][dimension - 2], ["[0, -0.01]", "[0, 0, -0.01]"][dimension - 2]);
+        run(&format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = {dimension}\n[discretization]\ndegree = 2\n\
+             [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+             [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = {min}, max = {max} }}\nelements = {elements}\n{cells}\n\
+             [[boundary]]\non = \"b.bottom\"\nfix = [{all}]\n[[boundary]]\non = \"b.left\"\ndirichlet = {{ {axis} = \"{moved}*(1 + {axis})\" }}\n\
+             [[contact]]\nname = \"c\"\nslave = \"b.top\"\nrigid = {{ kind = \"half-plane\", point = {point}, normal = {normal} }}\n{keys}\n"
+        ))
+    };
+    for (dimension, cells) in [2, 3].into_iter().flat_map(|d| CELLS.map(|c| (d, c))) {
+        for keys in ["", "multiplier = \"p/p\"", "integration = \"slave\""] {
+            for (moved, wrong) in [(0.0, true), (-0.005, true), (-0.01, false), (-0.012, false)] {
+                let result = solve(dimension, cells, moved, keys);
+                let told = result.warnings.iter().any(|d| d.code == "E065" && d.message.contains("is held 0.00"));
+                assert_eq!(told, wrong, "{dimension}D {cells} {keys} {moved}: {:?}", result.warnings);
+            }
+        }
+    }
+}

@@ -93,6 +93,15 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             ),
             "move the bodies together, or fill the gap with a body",
         ),
+        Warning::HeldWithin { depth, x, .. } => (
+            format!(
+                "the slave side of contact \"{name}\" is held {} deep in what it faces, at {}: no pressure moves it out, and stresses beside it \
+                 depend on the elements",
+                short(*depth),
+                place(x)
+            ),
+            "let the side move there, prescribe the displacement that contact gives it, or end the slave side before it",
+        ),
         Warning::SoftPenalty { apart, size, moved, .. } => soft_penalty(of, *apart, *size, *moved),
         Warning::CoarseTie { apart, moved, .. } => (
             format!(
