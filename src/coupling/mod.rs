@@ -145,6 +145,12 @@ pub trait Coupling<const S: usize, const N: usize, T: Real = f64>: Debug + Send 
         true
     }
 
+    /// Whether it takes the stresses of the sides for what crosses the interface. Such sides may carry nothing else in the same points: no load,
+    /// springs, support or other interface.
+    fn needs_fluxes(&self) -> bool {
+        false
+    }
+
     /// Whether its rows are those of the mortar method: integrals of the multiplier's functions times the jump.
     fn rows_are_mortar(&self) -> bool {
         false
@@ -166,6 +172,9 @@ impl<const S: usize, const N: usize, T: Real, X: Coupling<S, N, T> + ?Sized> Cou
     }
     fn has_rows(&self) -> bool {
         (**self).has_rows()
+    }
+    fn needs_fluxes(&self) -> bool {
+        (**self).needs_fluxes()
     }
     fn rows_are_mortar(&self) -> bool {
         (**self).rows_are_mortar()

@@ -363,6 +363,10 @@ impl<const S: usize, const N: usize, T: Real> Coupling<S, N, T> for Nitsche {
         false
     }
 
+    fn needs_fluxes(&self) -> bool {
+        true
+    }
+
     fn lambda(&self, interface: &Interface<'_, S, N, T>, unknowns: &[T]) -> Result<Vec<Vec<T>>, CouplingError> {
         self.check(interface)?;
         let weights = Weights::of(self, interface)?;

@@ -64,6 +64,7 @@ where
         model.findings.extend(found);
         some(self.build_ties(&ties, &mut model, &fixed, &members))?;
         some(self.build_contacts(&mut model, pressed, &fixed, &members))?;
+        some(self.carried(&model))?;
         Ok(model)
     }
 
@@ -74,7 +75,7 @@ where
         if !errors.is_empty() {
             return errors;
         }
-        let tied = self.tied(model);
+        let tied = self.tied(model, &|_| false);
         for (k, slide) in self.said.slides.iter().enumerate() {
             match model.slide_part(&slides[k], &slides[..k], fixed, &tied) {
                 Ok(part) => {
@@ -109,6 +110,15 @@ where
         errors
     }
 
+    /// Slave sides of ties and contacts by fluxes whose sides carry something else.
+    fn carried(&self, model: &Model<S, N>) -> Vec<ProblemError> {
+        let error = |((is_tie, k, slave), error): ((bool, usize, usize), InterfaceError)| match is_tie {
+            true => of_slave(self.ties[k].id(), slave, &self.ties[k].name, &self.ties[k].own.pairs[slave].slave, error),
+            false => of_slave(self.contacts[k].id(), slave, &self.contacts[k].name, &self.contacts[k].own.slaves[slave], error),
+        };
+        model.carried(&self.times).into_iter().map(error).collect()
+    }
+
     /// Builds all contacts; returns what is wrong.
     fn build_contacts(&self, model: &mut Model<S, N>, pressed: usize, fixed: &Eliminated, tied: &TieCounts) -> Vec<ProblemError> {
         let (mut errors, seams) = (Vec::new(), self.seams(model));
@@ -135,6 +145,8 @@ where
             let mut behind = Vec::new();
             for (k, slave) in contact.own.slaves.iter().enumerate() {
                 let field = model.patches[slave.patch].field;
+                let beside = self.memberships_beside(model, slave);
+                let tied = beside.as_ref().unwrap_or(tied);
                 let taken =
                     |function: usize, c: usize| fixed.is(field.unknown(function, c)) || tied.count(model, slave.patch, function) > 0;
                 let on_seam = |function: usize| seams.contains(&model.function(slave.patch, function));
@@ -242,18 +254,30 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 
     /// Number of tied sides and curved sides that slide of every function.
     pub(super) fn memberships(&self, model: &Model<S, N>) -> TieCounts {
-        let mut members = self.tied(model);
+        self.memberships_but(model, &|_| false)
+    }
+
+    /// These, but for tied masters that are parts of the side of `slave`: their functions are free there, unlike those on an edge that the side
+    /// has in common with a tied one. `None` if there is no such master.
+    fn memberships_beside(&self, model: &Model<S, N>, slave: &BodySide<S, N>) -> Option<TieCounts> {
+        let own = |master: &BodySide<S, N>| master.patch == slave.patch && master.side == slave.side;
+        let mut masters = self.ties.iter().flat_map(|t| &t.own.pairs).flat_map(|p| &p.masters);
+        masters.any(|master| own(master)).then(|| self.memberships_but(model, &own))
+    }
+
+    fn memberships_but(&self, model: &Model<S, N>, left_out: &dyn Fn(&BodySide<S, N>) -> bool) -> TieCounts {
+        let mut members = self.tied(model, left_out);
         self.said.slides.iter().for_each(|slide| members.add(model, &slide.side));
         members
     }
 
-    /// Number of tied sides of every function; couplings without rows constrain no functions.
-    fn tied(&self, model: &Model<S, N>) -> TieCounts {
+    /// Number of tied sides of every function, but for masters that are `left_out`; couplings without rows constrain no functions.
+    fn tied(&self, model: &Model<S, N>, left_out: &dyn Fn(&BodySide<S, N>) -> bool) -> TieCounts {
         let mut members = TieCounts::default();
         for tie in self.ties.iter().filter(|t| t.own.coupling.has_rows()) {
             // a side in two lists of one tie counts once
             let mut seen = BTreeSet::new();
-            for side in tie.own.pairs.iter().flat_map(|p| p.masters.iter().chain([&p.slave])) {
+            for side in tie.own.pairs.iter().flat_map(|p| p.masters.iter().filter(|m| !left_out(m)).chain([&p.slave])) {
                 if seen.insert(Arc::as_ptr(side)) {
                     members.add(model, side);
                 }

@@ -56,6 +56,14 @@ pub enum InterfaceError {
         /// The time.
         t: f64,
     },
+    /// A side of a tie or a contact by fluxes that carries something else in the same points: its stress is not that of the interface alone.
+    #[error("this method takes the stress of `{side}` for what crosses the interface, but the side {carried}, too")]
+    Carries {
+        /// The side.
+        side: String,
+        /// A load, springs, a support or another interface.
+        carried: Carried,
+    },
     /// A slave side of which no point faces the opponent.
     #[error("no part of the slave side faces the opponent")]
     NothingFaces,
@@ -90,6 +98,24 @@ pub enum InterfaceError {
         /// Whether equations between components hold functions of the side.
         by_equations: bool,
     },
+}
+
+/// A load, springs, a support or another interface that a side carries beside its own.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Carried {
+    /// A load, by its name.
+    #[error("has the load \"{0}\"")]
+    Load(String),
+    /// Springs, by their name.
+    #[error("has the springs \"{0}\"")]
+    Spring(String),
+    /// A support in a direction in which the other side may move.
+    #[error("is held")]
+    Support,
+    /// A tie or a contact, by its name.
+    #[error("belongs to \"{0}\" in the same points")]
+    Interface(String),
 }
 
 /// A choice that a method does not accept, in words.

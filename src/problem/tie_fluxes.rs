@@ -16,12 +16,12 @@ pub struct Fluxes<const S: usize, const N: usize> {
 }
 
 impl<const S: usize, const N: usize> TiePart<S, N> {
-    /// The fluxes of the bodies at time `t`, with their bounds if the coupling is one of fluxes.
+    /// The fluxes of the bodies at time `t`, with their bounds if the coupling needs them.
     pub fn fluxes(&self, model: &Model<S, N>, t: f64) -> Arc<Fluxes<S, N>> {
         let t = if self.materials_change(model) { t } else { 0.0 };
         self.fluxes.at(t, || {
             let of = |side: &BodySide<S, N>| model.flux(side, t);
-            if self.coupling.has_rows() {
+            if !self.coupling.needs_fluxes() {
                 let masters = self.pairings.iter().map(|p| BoundedFlux::unbounded(of(&p.master)));
                 return Fluxes { slave: BoundedFlux::unbounded(of(&self.slave)), masters: masters.collect() };
             }

@@ -46,6 +46,9 @@ where
 /// Multipliers of the components, and the unstable pairing p/p-k (p, k) that they are under another name.
 type TieMultipliers<const S: usize> = (Vec<Box<dyn Basis<S>>>, Option<(usize, usize)>);
 
+/// The masters of a slave side with their segments, and finer segments.
+type Paired<const S: usize, const N: usize> = (Vec<Pairing<S, N>>, Vec<Segments<S>>);
+
 /// Number of sides of tied interfaces, and of curved sides that slide, on which each function of a body lies.
 #[derive(Debug, Default)]
 pub struct TieCounts(HashMap<usize, usize>);
@@ -90,35 +93,10 @@ impl<const S: usize, const N: usize> Model<S, N> {
     where
         Trace<S, N>: InterfaceSide<S, N>,
     {
-        let (TiePair { slave, masters, .. }, coupling) = (pair, &tie.own.coupling);
+        let (slave, coupling) = (&pair.slave, &tie.own.coupling);
         let (multipliers, unstable) =
             if coupling.has_rows() { self.tie_multipliers(tie, slave, fixed, members)? } else { (Vec::new(), None) };
-        // segments against every master
-        let mut pairings: Vec<Pairing<S, N>> = Vec::new();
-        let mut finer: Vec<Segments<S>> = Vec::new();
-        let mut missed: Option<CouplingError> = None;
-        for master in masters {
-            let tolerance = self.tolerance(slave, master, tie.own.tolerance, pair.explained);
-            match self.segments(tie, slave, master, tolerance) {
-                Ok((segments, second)) => {
-                    pairings.push(Pairing { master: master.clone(), segments, second });
-                    // the distance has been checked
-                    let points = points_of(slave, master, tie.extra_points);
-                    let found = finer_segments(slave, master, points, Partners::Touching(Tolerance::Given(f64::INFINITY)));
-                    finer.extend(found.map(|segments| self.revolved(segments, slave)));
-                }
-                Err(e @ CouplingError::Rule(_)) => return Err(InterfaceError::Segments(e)),
-                Err(e) => missed = Some(e),
-            }
-        }
-        if let Some(error) = missed.filter(|e| pairings.is_empty() || !matches!(e, CouplingError::NothingFaces)) {
-            return Err(InterfaceError::Apart(error));
-        }
-        let total = pairings.first().map_or(0.0, |p| p.segments.report.slave_measure);
-        let covered: f64 = pairings.iter().map(|p| p.segments.report.covered).sum();
-        if covered < (1.0 - UNCOVERED) * total && !self.facets_explain(slave, &pairings) {
-            return Err(InterfaceError::Uncovered { share: covered / total });
-        }
+        let (pairings, finer) = self.pairings(tie, pair)?;
         let mut part = TiePart {
             slave: slave.clone(),
             multipliers,
@@ -159,6 +137,47 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }
         part.num_rows = part.multipliers.iter().map(|m| m.num_functions()).sum();
         Ok(part)
+    }
+
+    /// The segments of a slave side against each of its masters, and finer ones.
+    fn pairings(&self, tie: &Tie<S, N>, pair: &TiePair<S, N>) -> Result<Paired<S, N>, InterfaceError>
+    where
+        Trace<S, N>: InterfaceSide<S, N>,
+    {
+        let TiePair { slave, masters, .. } = pair;
+        let mut pairings: Vec<Pairing<S, N>> = Vec::new();
+        let mut finer: Vec<Segments<S>> = Vec::new();
+        let mut missed: Option<CouplingError> = None;
+        for master in masters {
+            let tolerance = self.tolerance(slave, master, tie.own.tolerance, pair.explained);
+            match self.segments(tie, slave, master, tolerance) {
+                Ok((segments, second)) => {
+                    pairings.push(Pairing { master: master.clone(), segments, second });
+                    // the distance has been checked
+                    let points = points_of(slave, master, tie.extra_points);
+                    let found = finer_segments(slave, master, points, Partners::Touching(Tolerance::Given(f64::INFINITY)));
+                    finer.extend(found.map(|segments| self.revolved(segments, slave)));
+                }
+                Err(e @ CouplingError::Rule(_)) => return Err(InterfaceError::Segments(e)),
+                Err(e) => missed = Some(e),
+            }
+        }
+        let total = pairings.first().map_or(0.0, |p| p.segments.report.slave_measure);
+        let covered: f64 = pairings.iter().map(|p| p.segments.report.covered).sum();
+        let is_covered = covered >= (1.0 - UNCOVERED) * total;
+        // a master that is apart is none of this slave where others cover it: the sides of a corner, stated as lists
+        let is_none = |e: &CouplingError| match e {
+            CouplingError::NothingFaces => true,
+            CouplingError::Apart { .. } => is_covered,
+            _ => false,
+        };
+        if let Some(error) = missed.filter(|e| pairings.is_empty() || !is_none(e)) {
+            return Err(InterfaceError::Apart(error));
+        }
+        if !is_covered && !self.facets_explain(slave, &pairings) {
+            return Err(InterfaceError::Uncovered { share: covered / total });
+        }
+        Ok((pairings, finer))
     }
 
     /// One multiplier per component, and the unstable pairing that it is under another name.

@@ -21,7 +21,7 @@ pub use lagrange::Lagrange;
 pub struct Needs {
     /// A multiplier space on the slave side: rows belong to its functions. Without one the method makes rows of its own.
     pub multiplier: bool,
-    /// Fluxes sigma n of the bodies at both sides.
+    /// Fluxes sigma n of the bodies at both sides, which it takes for what crosses: the sides may carry nothing else in the same points.
     pub fluxes: bool,
     /// Whether obstacles that a force presses are accepted: their translations enter the rows.
     pub pressed: bool,

@@ -70,6 +70,11 @@ impl<const S: usize, const N: usize> SlidePart<S, N> {
         part
     }
 
+    /// Whether the side is held along its normals, else along its tangents.
+    pub fn along_normal(&self) -> bool {
+        self.slide.along_normal
+    }
+
     /// The side.
     pub fn side(&self) -> &Arc<BodySide<S, N>> {
         &self.slide.side

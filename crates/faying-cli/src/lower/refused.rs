@@ -96,6 +96,9 @@ fn tie_fault<const S: usize, const N: usize>(
                 .error("E025", text, at)
                 .with_help("a tied slave must be covered: swap slave and master, or add the missing master sides")
         }
+        InterfaceError::Carries { .. } => context
+            .error("E019", format!("interface \"{name}\": {error}"), tie.coupling.at)
+            .with_help("write coupling = \"mortar\", or state what the side carries on another part of it, by `where`"),
         other => context.error("E015", format!("interface \"{name}\": {other}"), tie.head.at),
     }
 }
@@ -138,6 +141,9 @@ fn fault<const S: usize, const N: usize>(
             let text = format!("method = {:?} against an obstacle that a `force` presses is not in this version", contact.method.value);
             context.error("E019", text, contact.method.at).with_help("write method = \"lagrange\", or give the obstacle a `move`")
         }
+        InterfaceError::Carries { .. } => context
+            .error("E019", format!("contact \"{name}\": {error}"), contact.method.at)
+            .with_help("write method = \"lagrange\", or state what the side carries on another part of it, by `where`"),
         InterfaceError::Segments(e) => context.error("E023", format!("contact \"{name}\": {e}"), at),
         InterfaceError::Contact(e) => contact_fault(context, contact, slave, masters, e, at),
         InterfaceError::Gap { at, geometric, t } => gap_fault(context, contact, (&at[..N], *t), *geometric),

@@ -155,3 +155,50 @@ fn a_load_beyond_the_middle_of_the_last_element_asks_for_a_finer_side() {
         assert_eq!(beyond.solve.as_ref().unwrap().reason, "infeasible load", "{}", said(&beyond));
     }
 }
+
+/// One side carries a tied block on its left half, as master, and presses another one on its right half, as slave: its functions are free.
+#[test]
+fn a_tied_master_is_a_slave_of_contact_on_another_part() {
+    for dimension in [2, 3] {
+        let (axis, y) = if dimension == 2 { ("y", "") } else { ("z", ", 0") };
+        let corner = |x: f64, z: f64, far: bool| {
+            let y = if far { y.replace('0', "1") } else { y.to_owned() };
+            format!("[{x}{y}, {z}]")
+        };
+        let patch = |name: &str, [x0, x1]: [f64; 2], [z0, z1]: [f64; 2], n: usize| {
+            let elements = &[n, 2, 2][..dimension];
+            format!(
+                "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = {}, max = {} }}\nelements = {elements:?}\n",
+                corner(x0, z0, false),
+                corner(x1, z1, true)
+            )
+        };
+        for (backend, rest) in [("iga", ""), ("fe", ""), ("fe", "cells = \"simplex\""), ("iga", "degree = 3")] {
+            for master in
+                ["master = \"r.bottom\"", "master = \"r.bottom\"\nmultiplier = \"p/p\"", "master = \"r.bottom\"\nmethod = \"penalty\""]
+            {
+                let front = if dimension == 3 { "[[boundary]]\non = [\"b.front\", \"p.front\", \"r.front\"]\nfix = [\"y\"]\n" } else { "" };
+                let text = format!(
+                    "[model]\nphysics = \"elasticity\"\ndimension = {dimension}\n[discretization]\nbackend = \"{backend}\"\n{rest}\n\
+                     [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.0\n"
+                ) + &patch("b", [0.0, 1.0], [0.0, 1.0], 4)
+                    + &patch("p", [0.0, 0.5], [1.0, 1.5], 2)
+                    + &patch("r", [0.5, 1.0], [1.0, 1.5], 3)
+                    + &format!(
+                        "[[boundary]]\non = \"b.bottom\"\nfix = [\"{axis}\"]\n[[boundary]]\non = [\"b.left\", \"p.left\", \"r.right\"]\nfix = [\"x\"]\n"
+                    )
+                    + front
+                    + "[[boundary]]\non = [\"p.top\", \"r.top\"]\npressure = 0.01\n[[interface]]\nname = \"t\"\nslave = \"p.bottom\"\nmaster = \"b.top\"\n"
+                    + &format!("[[contact]]\nname = \"c\"\nslave = \"b.top\"\nwhere = \"x > 0.5\"\n{master}\n")
+                    + &format!(
+                        "[[probe]]\nname = \"least\"\nquantity = \"stress.{axis}{axis}.min\"\n[[probe]]\nname = \"largest\"\nquantity = \"stress.{axis}{axis}.max\"\n"
+                    );
+                let result = run(&text);
+                assert_eq!(result.status, Status::Ok, "{}\n{text}", said(&result));
+                for probe in &result.probes {
+                    assert!((probe.value + 0.01).abs() < 1e-10, "{dimension}D {backend} {rest} {master}: {} {}", probe.name, probe.value);
+                }
+            }
+        }
+    }
+}

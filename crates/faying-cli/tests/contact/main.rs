@@ -5,6 +5,7 @@ mod active_set;
 mod blocked;
 mod bodies_in_space;
 mod by_program;
+mod carried;
 mod common;
 mod cones;
 mod contact_benchmarks;

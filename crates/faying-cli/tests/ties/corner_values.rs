@@ -158,3 +158,45 @@ fn values_that_contradict_each_other_in_a_corner_of_two_tied_bodies_are_warned_w
         }
     }
 }
+
+/// A block in a corner, tied below and beside by one statement with two slaves and two masters: each slave has the master that it meets, and
+/// the linear field is exact.
+#[test]
+fn lists_of_sides_around_a_corner_find_their_partners() {
+    for dimension in [2, 3] {
+        for (integration, multiplier) in
+            ["merged", "slave", "mixed"].into_iter().flat_map(|rule| ["p/p", "auto"].map(|multiplier| (rule, multiplier)))
+        {
+            let up = ["v", "w"][dimension - 2];
+            let point = |x: f64, z: f64, y: f64| if dimension == 2 { format!("[{x}, {z}]") } else { format!("[{x}, {y}, {z}]") };
+            let patch = |name: &str, [x0, z0]: [f64; 2], [x1, z1]: [f64; 2], n: usize| {
+                let (elements, min, max) = (vec![n; dimension], point(x0, z0, 0.0), point(x1, z1, 1.0));
+                format!(
+                    "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = {min}, max = {max} }}\nelements = {elements:?}\n"
+                )
+            };
+            let exact = ["[\"1e-3*x+2e-3*y\", \"-1e-3*y\"]", "[\"1e-3*x+2e-3*z\", \"-1e-3*y\", \"5e-4*x+1e-3*z\"]"][dimension - 2];
+            let text = format!(
+                "[model]\nphysics = \"elasticity\"\ndimension = {dimension}\nexact = {{ u = {exact} }}\n\
+                 [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n"
+            ) + &patch("a", [0.0, 0.0], [1.0, 1.0], 2)
+                + &patch("b", [0.0, -1.0], [2.0, 0.0], 3)
+                + &patch("c", [1.0, 0.0], [2.0, 1.0], 3)
+                + &format!(
+                    "[[boundary]]\non = \"b.{up}0\"\ndirichlet = \"exact\"\n[[boundary]]\non = \"all-outer\"\nneumann = \"exact\"\n"
+                )
+                + &format!(
+                    "[[interface]]\nname = \"i\"\nslave = [\"a.{up}0\", \"a.u1\"]\nmaster = [\"b.{up}1\", \"c.u0\"]\n\
+                     integration = \"{integration}\"\nmultiplier = \"{multiplier}\"\n\
+                     [[interface]]\nname = \"j\"\nslave = \"c.{up}0\"\nmaster = \"b.{up}1\"\nmultiplier = \"p/p\"\n"
+                );
+            let finished = solved(&text);
+            let result = &finished.result;
+            assert_eq!(result.status, Status::Ok, "{integration} {multiplier}: {:?}\n{text}", result.diagnostics);
+            let error = result.errors["error.u.L2.rel"];
+            // the slave's own points do not see where the master's elements end
+            let allowed = if integration == "slave" { 0.02 } else { 1e-10 };
+            assert!(error < allowed, "{dimension}D {integration} {multiplier}: {error:e}");
+        }
+    }
+}

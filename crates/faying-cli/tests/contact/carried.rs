@@ -1,0 +1,93 @@
+//! Nitsche's method on sides that carry something else in the same points: refused, for the stress of such a side is not that of the interface
+//! alone. Where other parts of the side carry it, and by Lagrange's method, uniform states are exact.
+
+use crate::common::pressed::{probe, read};
+use faying_cli::{Registry, RunResult, Status};
+
+/// A column of two cubes without lateral strain, the lower one held below, the upper one pressed by 0.01; `joint` joins them, `rest` is what
+/// the side of the joint carries besides.
+fn column(dimension: usize, joint: &str, rest: &str) -> Result<RunResult, String> {
+    let (axis, fixed) = if dimension == 2 { ("y", "\"x\"") } else { ("z", "\"x\", \"y\"") };
+    let corner = |z: &str| if dimension == 2 { format!("[0, {z}]") } else { format!("[0, 0, {z}]") };
+    let far = |z: &str| if dimension == 2 { format!("[1, {z}]") } else { format!("[1, 1, {z}]") };
+    let elements = |n: usize| format!("{:?}", vec![n; dimension]);
+    let text = format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = {dimension}\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.0\n\
+         [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = {}, max = {} }}\nelements = {}\n\
+         [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"box\", min = {}, max = {} }}\nelements = {}\n\
+         [[boundary]]\non = \"a.bottom\"\nfix = [{fixed}, \"{axis}\"]\n[[boundary]]\non = \"b.top\"\nfix = [{fixed}]\npressure = 0.01\n\
+         {joint}\n{rest}\n[[probe]]\nname = \"p\"\nquantity = \"stress.{axis}{axis}.max\"\n[[probe]]\nname = \"q\"\nquantity = \"stress.{axis}{axis}.min\"\n",
+        corner("0"),
+        far("1"),
+        elements(2),
+        corner("1"),
+        far("2"),
+        elements(3)
+    );
+    let case = read(&text.replace("AXIS", axis), &[]);
+    case.run(&Registry::default()).map_err(|e| e.to_string())
+}
+
+const JOINTS: [(&str, &str, &str); 2] = [
+    ("contact", "[[contact]]\nname = \"j\"\nslave = \"a.top\"\nmaster = \"b.bottom\"\nmethod = \"KIND\"", "lagrange"),
+    ("interface", "[[interface]]\nname = \"j\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\ncoupling = \"KIND\"", "mortar"),
+];
+
+#[test]
+fn sides_that_carry_something_else_are_refused() {
+    for dimension in [2, 3] {
+        for (table, joint, other) in JOINTS {
+            for (rest, word) in [
+                (
+                    "[[boundary]]\nname = \"l\"\non = \"a.top\"\npressure = 0.01",
+                    "`a.top` for what crosses the interface, but the side has the load \"l\", too",
+                ),
+                (
+                    "[[boundary]]\nname = \"l\"\non = \"b.bottom\"\ntraction = { AXIS = \"0.005*t\" }\n[steps]\nt = [0.0, 1.0]",
+                    "the side has the load \"l\"",
+                ),
+                ("[[boundary]]\nname = \"l\"\non = \"a.top\"\nforce = { AXIS = 0.01 }", "the side has the load \"l\""),
+                ("[[boundary]]\nname = \"l\"\non = \"b.bottom\"\nspring = { AXIS = 2.0 }", "the side has the springs \"l\""),
+                ("[[boundary]]\non = \"MASTER\"\nfix = [\"AXIS\"]", "` for what crosses the interface, but the side is held"),
+                ("[[boundary]]\non = \"MASTER\"\nrigid_force = { AXIS = 0.0 }", "the side is held"),
+                (
+                    "[[contact]]\nname = \"stop\"\nslave = \"MASTER\"\nrigid = { kind = \"sphere\", center = CENTER, radius = 1.0 }",
+                    "the side belongs to \"stop\" in the same points",
+                ),
+            ] {
+                let (master, beyond) = if table == "contact" { ("b.bottom", -4.0) } else { ("a.top", 4.0) };
+                let rest =
+                    rest.replace("MASTER", master).replace("CENTER", &format!("{}, {beyond:?}]", ["[0.5", "[0.5, 0.5"][dimension - 2]));
+                let refused = column(dimension, &joint.replace("KIND", "nitsche"), &rest);
+                let told = refused.expect_err("a side that carries something else");
+                let help = format!("= \"{other}\", or state what the side carries");
+                assert!(told.starts_with("error[E019]") && told.contains(word) && told.contains(&help), "{table} {rest}: {told}");
+                let allowed = column(dimension, &joint.replace("KIND", other), &rest).unwrap_or_else(|e| panic!("{table} {rest}: {e}"));
+                assert_eq!(allowed.status, Status::Ok, "{table} {rest}: {:?}", allowed.diagnostics);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_others_parts_of_a_side_carry_does_no_harm() {
+    for dimension in [2, 3] {
+        for (table, joint, _) in JOINTS {
+            // along the side, on the sides beside it, on none of it, and at no time
+            for rest in [
+                "",
+                "[[boundary]]\non = [\"a.left\", \"b.left\"]\nfix = [\"x\"]",
+                "[[boundary]]\non = [\"a.top\", \"b.bottom\"]\nfix = [\"x\"]",
+                "[[boundary]]\non = \"a.top\"\npressure = 0.0",
+                "[[boundary]]\non = \"a.top\"\npressure = \"max(0, x - 2)\"",
+            ] {
+                let found = column(dimension, &joint.replace("KIND", "nitsche"), rest).unwrap_or_else(|e| panic!("{table} {rest}: {e}"));
+                assert_eq!(found.status, Status::Ok, "{table} {rest}: {:?}", found.diagnostics);
+                for name in ["p", "q"] {
+                    let stress = probe(&found, name);
+                    assert!((stress + 0.01).abs() < 1e-12, "{table} {rest}: {name} {stress}");
+                }
+            }
+        }
+    }
+}
