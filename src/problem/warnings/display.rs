@@ -55,9 +55,9 @@ impl Display for Warning {
             Self::DualConstants { of, slave, degree } => {
                 write!(f, "the dual multiplier of {of} holds constants only on {slave} of degree {degree}: errors fall as at degree 2")
             }
-            Self::MixedMultiplier { of, slave, degree, multiplier } => write!(
+            Self::MixedMultiplier { of, slave, degree, multiplier, order } => write!(
                 f,
-                "mixed integration of {of} with a multiplier of degree {multiplier} on {slave} of degree {degree}: errors of u fall with order 2"
+                "mixed integration of {of} with a multiplier of degree {multiplier} on {slave} of degree {degree}: errors of u fall with order {order}"
             ),
             Self::HardlyHeld { of, motions, share } => {
                 let (motions, share) = (motions.join(", "), digits(*share));
@@ -97,23 +97,31 @@ impl Display for Warning {
             ),
             Self::SoftPenalty { of, apart, size, moved } => soft_penalty(of, [*apart, *size, *moved].map(digits), f),
             Self::CoarseTie { of, apart, moved } => coarse_tie(of, [*apart, *moved].map(digits), f),
-            Self::GapPressure { of, pressure, from_gap, gap, x } => {
-                let [pressure, from_gap, gap] = [pressure, from_gap, gap].map(|v| digits(*v));
-                write!(f, "pressures of {of} at points are not the stress: at {} {from_gap} of {pressure} is from a gap of {gap}", place(x))
-            }
-            Self::WavyFacets { of, height, wave, pressure } => {
-                let [height, wave, pressure] = [height, wave, pressure].map(|v| digits(*v));
-                write!(f, "pressures of {of} at points have waves of {wave}, of {pressure}: its facets leave their surface by {height}")
-            }
-            Self::Tension { of, least, largest } => {
-                let [least, largest] = [least, largest].map(|v| digits(*v));
-                write!(f, "{of} pulls: its pressure falls to {least} beside {largest}, as its cone does not hold it at all points")
-            }
+            Self::GapPressure { .. } | Self::WavyFacets { .. } | Self::Tension { .. } => at_points(self, f),
             Self::HeldWithin { of, depth, x } => {
                 write!(f, "{of}: its slave side is held {} deep in what it faces at {}", digits(*depth), place(x))
             }
             Self::Kinematics { of, strain, rotation, allowed } => kinematics(of, [strain, rotation], *allowed, f),
         }
+    }
+}
+
+/// Warnings about pressures at points in words.
+fn at_points(warning: &Warning, f: &mut Formatter<'_>) -> Result {
+    match warning {
+        Warning::GapPressure { of, pressure, from_gap, gap, x } => {
+            let [pressure, from_gap, gap] = [pressure, from_gap, gap].map(|v| digits(*v));
+            write!(f, "pressures of {of} at points are not the stress: at {} {from_gap} of {pressure} is from a gap of {gap}", place(x))
+        }
+        Warning::WavyFacets { of, height, wave, pressure } => {
+            let [height, wave, pressure] = [height, wave, pressure].map(|v| digits(*v));
+            write!(f, "pressures of {of} at points have waves of {wave}, of {pressure}: its facets leave their surface by {height}")
+        }
+        Warning::Tension { of, least, largest } => {
+            let [least, largest] = [least, largest].map(|v| digits(*v));
+            write!(f, "{of} pulls: its pressure falls to {least} beside {largest}, as its cone does not hold it at all points")
+        }
+        _ => Ok(()),
     }
 }
 

@@ -12,8 +12,10 @@
 //! lambda with order 1. At degree 2 and below nothing is lost to the default.
 //!
 //! *Mixed* integration sums what the multiplier does to the master over the master's own elements. Functions of degree 0 and 1 that are
-//! not those of the side jump or kink inside of them at every vertex of the slave, which leaves the error of u with order 2.
+//! not those of the side jump or kink inside of them at every vertex of the slave, which leaves the error of u with order 2. Those of higher
+//! degree on Lagrange elements kink there, too, which leaves it with the order p of the side, in place of p + 1.
 
+use super::kinks::kinked_share;
 use super::warning::{Subject, Warning};
 use crate::assembly::gauss_rules;
 use crate::basis::{Basis, Order, ShapeTable};
@@ -27,8 +29,10 @@ use crate::space::Space;
 const CUBIC: usize = 3;
 /// Distance of means over the size of an element, weighed by the function, above which linear fields are not held.
 const APART: f64 = 0.05;
-/// Greatest degree of multipliers whose jumps and kinks spoil the sums of mixed integration.
-const KINKED: usize = 1;
+/// Greatest degree of multipliers that are not smooth, whatever the side is.
+const ROUGH: usize = 1;
+/// Share of a side's inner edges at which functions kink, from which on they spoil the sums of mixed integration.
+const KINKED: f64 = 0.5;
 
 /// Finds the ties and contacts with such multipliers.
 pub(super) fn low_orders<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Warning> {
@@ -69,7 +73,10 @@ fn kinked<const S: usize, const N: usize>(
     let psi = multiplier.filter(|_| mixed)?;
     let degree = least_degree::<S, f64>(&*slave.trace.space);
     let own = (0..psi.num_elements()).flat_map(|e| psi.degree(e)).max()?;
-    (own < degree && own <= KINKED).then(|| Warning::MixedMultiplier { of, slave: slave.label.clone(), degree, multiplier: own })
+    let is_rough = own < degree && own <= ROUGH;
+    let order = if is_rough { 2 } else { degree };
+    let kinks = || kinked_share(&*slave.trace.space, psi) > KINKED;
+    (is_rough || degree > 1 && kinks()).then(|| Warning::MixedMultiplier { of, slave: slave.label.clone(), degree, multiplier: own, order })
 }
 
 /// Whether the dual functions of a side hold linear fields, but for [`APART`].

@@ -41,6 +41,7 @@ mod hardly_held;
 mod held_within;
 mod integration;
 mod kinematics;
+mod kinks;
 mod left_open;
 mod locking;
 mod lost_moment;

@@ -163,6 +163,8 @@ pub enum Warning {
         degree: usize,
         /// The degree of the multiplier.
         multiplier: usize,
+        /// The order with which errors of u fall.
+        order: usize,
     },
     /// A rigid motion that springs alone hold, with less than 1e-5 of the stiffness of the bodies that move.
     HardlyHeld {
@@ -315,7 +317,7 @@ pub enum Warning {
         of: Subject,
         /// The largest depth at a point of the integration \[length\].
         depth: f64,
-        /// Where that is.
+        /// The point.
         x: Vec<f64>,
     },
     /// A contact closes gaps or overlaps at rest that facets do not explain.

@@ -127,14 +127,18 @@ fn of_slave(case: &Case, of: &Subject, warning: &Warning) -> Option<(&'static st
             multiplier_at(case, of)?,
             "use p/p or p/p-2".into(),
         ),
-        Warning::MixedMultiplier { slave, degree, multiplier, .. } => (
+        Warning::MixedMultiplier { slave, degree, multiplier, order, .. } => (
             "E065",
             format!(
                 "mixed integration of \"{name}\" with a multiplier of degree {multiplier} on `{slave}`, a side of degree {degree}: it jumps or \
-                 kinks inside of the master's elements, and errors of u fall with order 2 only"
+                 kinks inside of the master's elements, and errors of u fall with order {order} only"
             ),
             integration_at(case, of)?,
-            "write multiplier = \"p/p\", or integration = \"merged\"".into(),
+            if multiplier < degree {
+                "write integration = \"merged\", or multiplier = \"p/p\" with smooth splines on the slave side".into()
+            } else {
+                "write integration = \"merged\", or let a side of smooth splines be the slave".into()
+            },
         ),
         _ => return None,
     })
