@@ -57,7 +57,7 @@ impl Display for Warning {
             }
             Self::MixedMultiplier { of, slave, degree, multiplier, order } => write!(
                 f,
-                "mixed integration of {of} with a multiplier of degree {multiplier} on {slave} of degree {degree}: errors of u fall with order {order}"
+                "mixed integration of {of} with a multiplier of degree {multiplier} on {slave} of degree {degree}: errors of u may fall with order {order}"
             ),
             Self::HardlyHeld { of, motions, share } => {
                 let (motions, share) = (motions.join(", "), digits(*share));

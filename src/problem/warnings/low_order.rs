@@ -13,7 +13,7 @@
 //!
 //! *Mixed* integration sums what the multiplier does to the master over the master's own elements. Functions of degree 0 and 1 that are
 //! not those of the side jump or kink inside of them at every vertex of the slave, which leaves the error of u with order 2. Those of higher
-//! degree on Lagrange elements kink there, too, which leaves it with the order p of the side, in place of p + 1.
+//! degree on Lagrange elements kink there, too, which may leave it with the order p of the side, in place of p + 1; grids differ.
 
 use super::kinks::kinked_share;
 use super::warning::{Subject, Warning};

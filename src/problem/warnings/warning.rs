@@ -163,7 +163,7 @@ pub enum Warning {
         degree: usize,
         /// The degree of the multiplier.
         multiplier: usize,
-        /// The order with which errors of u fall.
+        /// The order with which errors of u may fall.
         order: usize,
     },
     /// A rigid motion that springs alone hold, with less than 1e-5 of the stiffness of the bodies that move.

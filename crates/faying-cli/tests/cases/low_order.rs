@@ -98,7 +98,10 @@ fn mixed_integration_of_lagrange_elements_is_told_at_any_degree() {
         match told(&result, "E065", MIXED) {
             None => assert!(backend == "iga" && orders.0 > degree as f64 + 0.8, "{backend} {degree}: {orders:?}, {:?}", result.warnings),
             Some(warning) => {
-                assert!(backend == "fe" && warning.message.ends_with(&format!("errors of u fall with order {degree} only")), "{warning:?}");
+                assert!(
+                    backend == "fe" && warning.message.ends_with(&format!("errors of u may fall with order {degree} only")),
+                    "{warning:?}"
+                );
                 assert!(warning.help.as_ref().is_some_and(|help| help.contains("integration = \"merged\"")), "{warning:?}");
                 assert!(orders.0 < orders.1 - 0.25 && orders.1 > degree as f64 + 0.8, "{backend} {degree}: {orders:?}");
             }

@@ -131,7 +131,7 @@ fn of_slave(case: &Case, of: &Subject, warning: &Warning) -> Option<(&'static st
             "E065",
             format!(
                 "mixed integration of \"{name}\" with a multiplier of degree {multiplier} on `{slave}`, a side of degree {degree}: it jumps or \
-                 kinks inside of the master's elements, and errors of u fall with order {order} only"
+                 kinks inside of the master's elements, and errors of u may fall with order {order} only"
             ),
             integration_at(case, of)?,
             if multiplier < degree {
