@@ -64,7 +64,7 @@ where
         model.findings.extend(found);
         some(self.build_ties(&ties, &mut model, &fixed, &members))?;
         some(self.build_contacts(&mut model, pressed, &fixed, &members))?;
-        some(self.carried(&model))?;
+        some(model.carried(&self.times))?;
         Ok(model)
     }
 
@@ -110,15 +110,6 @@ where
         errors
     }
 
-    /// Slave sides of ties and contacts by fluxes whose sides carry something else.
-    fn carried(&self, model: &Model<S, N>) -> Vec<ProblemError> {
-        let error = |((is_tie, k, slave), error): ((bool, usize, usize), InterfaceError)| match is_tie {
-            true => of_slave(self.ties[k].id(), slave, &self.ties[k].name, &self.ties[k].own.pairs[slave].slave, error),
-            false => of_slave(self.contacts[k].id(), slave, &self.contacts[k].name, &self.contacts[k].own.slaves[slave], error),
-        };
-        model.carried(&self.times).into_iter().map(error).collect()
-    }
-
     /// Builds all contacts; returns what is wrong.
     fn build_contacts(&self, model: &mut Model<S, N>, pressed: usize, fixed: &Eliminated, tied: &TieCounts) -> Vec<ProblemError> {
         let (mut errors, seams) = (Vec::new(), self.seams(model));
@@ -149,8 +140,9 @@ where
                 let tied = beside.as_ref().unwrap_or(tied);
                 let taken =
                     |function: usize, c: usize| fixed.is(field.unknown(function, c)) || tied.count(model, slave.patch, function) > 0;
+                let fixed = |unknown: usize| fixed.is(unknown);
                 let on_seam = |function: usize| seams.contains(&model.function(slave.patch, function));
-                let setup = SlaveOf { contact, slave, masters, times: &self.times, taken: &taken, on_seam: &on_seam };
+                let setup = SlaveOf { contact, slave, masters, times: &self.times, taken: &taken, fixed: &fixed, on_seam: &on_seam };
                 match model.contact_part(&built, &setup) {
                     Ok(mut part) => {
                         part.number = k;
@@ -337,7 +329,7 @@ fn some(errors: Vec<ProblemError>) -> Result<(), ProblemErrors> {
 }
 
 /// The error of a slave side, the one with the number `slave` of its tie or contact.
-fn of_slave<const S: usize, const N: usize>(
+pub(super) fn of_slave<const S: usize, const N: usize>(
     id: impl Into<Statement>,
     slave: usize,
     name: &str,

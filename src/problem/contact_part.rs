@@ -3,7 +3,6 @@
 use super::contact_rows::ContactSides;
 use super::coupled::{Contact, StatedOpponent};
 use super::data::Point;
-use super::directions::{directions, slides};
 use super::facing_obstacle::is_turned_round;
 use super::held_part::HeldPart;
 use super::interface_error::InterfaceError;
@@ -22,11 +21,8 @@ use crate::coupling::multiplier::{MultiplierError, PiecewiseConstant};
 use crate::coupling::{Coupling, Interface, Mortar, Rows, Segments, Side};
 use crate::linalg::Vector;
 use crate::space::Trace;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::sync::Arc;
-
-/// Components of a unit vector below this count as zero.
-const PERPENDICULAR: f64 = 1e-9;
 
 /// Most places of a moving obstacle, but for the last one, at whose rims elements are divided.
 const MOST_PLACES: usize = 4;
@@ -43,6 +39,8 @@ pub(super) struct SlaveOf<'a, const S: usize, const N: usize> {
     pub times: &'a [f64],
     /// Whether an unknown (function of the body, component) is prescribed, or its function tied.
     pub taken: &'a dyn Fn(usize, usize) -> bool,
+    /// Whether an unknown of the model is prescribed.
+    pub fixed: &'a dyn Fn(usize) -> bool,
     /// Whether a function of the body lies on another slave side, too.
     pub on_seam: &'a dyn Fn(usize) -> bool,
 }
@@ -53,7 +51,6 @@ struct Chosen<const S: usize> {
     multiplier: Option<Box<dyn Basis<S>>>,
     reading: Option<Box<dyn Basis<S>>>,
     unstable: Option<(usize, usize)>,
-    held: Vec<usize>,
 }
 
 /// The opponent, its second segments, and finer ones.
@@ -79,7 +76,7 @@ where
             return Err(InterfaceError::Refused { pressed: refused.0, mixed: refused.1 });
         }
         let (against, second, finer) = self.opponent(contact, setup)?;
-        let Chosen { multiplier, reading, unstable, held } = match needs.multiplier {
+        let Chosen { multiplier, reading, unstable } = match needs.multiplier {
             true => self.contact_multiplier(contact, setup, &against)?,
             false => Chosen::default(),
         };
@@ -105,7 +102,7 @@ where
                     multiplier,
                     reading,
                     unstable,
-                    held,
+                    held: self.held_functions(setup, &against, t),
                     is_dual: needs.multiplier && setup.contact.multiplier.is_dual(),
                     cone,
                     against,
@@ -189,30 +186,14 @@ where
         setup: &SlaveOf<'_, S, N>,
         against: &Opposing<S, N>,
     ) -> Result<Chosen<S>, InterfaceError> {
-        let (slave, taken) = (setup.slave, setup.taken);
+        let slave = setup.slave;
         let times = setup.times_of(contact.obstacle.as_ref().is_some_and(|o| o.changes));
-        // rows act along the opponent's normal: an end is constrained if the body cannot move in that direction
-        let slides = slides(self, slave);
-        let cannot_move = |function: usize, n: &Vector<N>| {
-            (0..N).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c))
-                || slides.iter().any(|(f, d)| *f == function && (n - d * n.dot(d)).norm() < PERPENDICULAR)
-        };
-        // the normals of a moving obstacle change; a function that cannot move at one of the times is constrained
-        let turning = |n: usize| -> Vec<_> { times.iter().map(|&t| directions(slave, Some(against), t, n)).collect() };
-        let normals = turning(2);
-        // functions that vanish at corners: their direction is taken where they are largest
-        let inner = turning(slave.degree() + 2);
-        let moves_never = |list: &[HashMap<usize, Vector<N>>], f: usize| list.iter().filter_map(|n| n.get(&f)).any(|n| cannot_move(f, n));
-        // of surfaces some of these lie on an edge, and are lowered with it
-        let on_edge = |f: usize| S > 1 && !normals.iter().any(|list| list.contains_key(&f)) && moves_never(&inner, f);
+        let immobile = self.immobile(setup, against, times);
         // a function shared by two slave sides would get two multipliers: it counts as constrained
-        let is_held = |function: usize| moves_never(&normals, function) || on_edge(function);
-        let stuck = |function: usize| (setup.on_seam)(function) || is_held(function);
-        let held = |f: usize| stuck(f) || moves_never(&inner, f) || (0..N).all(|c| taken(f, c));
+        let stuck = |function: usize| (setup.on_seam)(function) || immobile.is(function);
+        let held = |f: usize| stuck(f) || immobile.inside(f) || (0..N).all(|c| (setup.taken)(f, c));
         let free = slave.trace.dofs.iter().filter(|&&f| !held(f)).map(|&f| self.function(slave.patch, f)).collect::<HashSet<_>>().len();
-        let components: Vec<usize> =
-            (0..N).filter(|&c| inner.iter().flat_map(|list| list.values()).any(|n| n[c].abs() >= PERPENDICULAR)).collect();
-        let by_equations = !slides.is_empty();
+        let (components, by_equations) = (immobile.components(), immobile.by_equations());
         if free == 0 {
             return Err(InterfaceError::Held { components, by_equations });
         }
@@ -247,8 +228,7 @@ where
             };
             psi = part.given(psi);
         }
-        let held = slave.trace.dofs.iter().copied().filter(|&f| is_held(f)).collect();
-        Ok(Chosen { multiplier: Some(psi), reading, unstable, held })
+        Ok(Chosen { multiplier: Some(psi), reading, unstable })
     }
 
     /// Rows on finer segments, against which the consistency error is estimated: those of the multiplier, without one of a constant per
@@ -312,7 +292,12 @@ fn at_time(error: ContactError, t: f64) -> InterfaceError {
 }
 
 /// Returns the points of a slave side that face its opponent at time `t`.
-fn faced<const S: usize, const N: usize>(slave: &BodySide<S, N>, against: &Opposing<S, N>, reach: Option<f64>, t: f64) -> Segments<S> {
+pub(super) fn faced<const S: usize, const N: usize>(
+    slave: &BodySide<S, N>,
+    against: &Opposing<S, N>,
+    reach: Option<f64>,
+    t: f64,
+) -> Segments<S> {
     match against {
         // a master without tangent, or a normal that is none, is reported when the rows are built
         Opposing::Side(master, segments) => ContactKinematics::against_master(&slave.trace, &master.trace, segments)

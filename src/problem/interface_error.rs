@@ -31,6 +31,12 @@ pub enum InterfaceError {
         /// Covered share of the slave side.
         share: f64,
     },
+    /// A slave side of a tie that two of its masters cover.
+    #[error("two masters cover the same {} % of the slave side", 100.0 * .share)]
+    Doubled {
+        /// Share of the slave side that is covered twice.
+        share: f64,
+    },
     /// Segments that cannot be built, or that are not sound.
     #[error(transparent)]
     Segments(CouplingError),

@@ -1,6 +1,7 @@
 //! Construction of a tied slave side: multipliers, segments and rows.
 
 use super::coupled::{Tie, TiePair};
+use super::coverage::Coverage;
 use super::fixed::Eliminated;
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
@@ -9,7 +10,6 @@ use super::model::{BodySide, Model, Pairing, TiePart};
 use super::multipliers::{unstable_pairing, wrapped};
 use super::rigid_rows::function_sums;
 use super::system::{append, empty};
-use super::uncovered::UNCOVERED;
 use crate::basis::{Basis, Elements};
 use crate::coupling::consistency::ConsistencyEstimate;
 use crate::coupling::interface::{Partners, Tolerance};
@@ -162,22 +162,21 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 Err(e) => missed = Some(e),
             }
         }
-        let total = pairings.first().map_or(0.0, |p| p.segments.report.slave_measure);
-        let covered: f64 = pairings.iter().map(|p| p.segments.report.covered).sum();
-        let is_covered = covered >= (1.0 - UNCOVERED) * total;
+        let coverage = Coverage::of(slave, &pairings);
         // a master that is apart is none of this slave where others cover it: the sides of a corner, stated as lists
         let is_none = |e: &CouplingError| match e {
             CouplingError::NothingFaces => true,
-            CouplingError::Apart { .. } => is_covered,
+            CouplingError::Apart { .. } => coverage.is_whole(),
             _ => false,
         };
         if let Some(error) = missed.filter(|e| pairings.is_empty() || !is_none(e)) {
             return Err(InterfaceError::Apart(error));
         }
-        if !is_covered && !self.facets_explain(slave, &pairings) {
-            return Err(InterfaceError::Uncovered { share: covered / total });
+        match self.facets_explain(slave, &pairings, &coverage) {
+            [false, _] => Err(InterfaceError::Uncovered { share: coverage.covered() }),
+            [_, false] => Err(InterfaceError::Doubled { share: coverage.doubled() }),
+            _ => Ok((pairings, finer)),
         }
-        Ok((pairings, finer))
     }
 
     /// One multiplier per component, and the unstable pairing that it is under another name.

@@ -160,8 +160,8 @@ pub const CODES: &[Code] = &[
         "E025",
         3,
         "slave partly covered",
-        "A tied slave side must be covered by its masters to 1e-6 of its measure. Exchange slave and master, or list every master. \
-         Facets that stand for one curved surface may end beside each other by as much as they leave it: their tie is made, and a \
+        "A tied slave side must be covered by its masters, once, to 1e-6 of its measure. Exchange slave and master, list every master, and none \
+         twice. Facets that stand for one curved surface may end beside each other by as much as they leave it: their tie is made, and a \
          warning tells the share that nothing ties.",
         "slave = \"long.top\"      # reaches farther than its master\nmaster = \"short.bottom\"",
         "exchange slave and master, or list every master: master = [\"a.bottom\", \"b.bottom\"].",

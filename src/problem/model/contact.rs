@@ -13,6 +13,7 @@ use crate::problem::last_time::LastTime;
 use crate::problem::obstacle::MovingObstacle;
 use crate::problem::start::Start;
 use crate::quadrature::PerElement;
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// The opponent of a contact side.
@@ -45,8 +46,8 @@ pub struct ContactPart<const S: usize, const N: usize> {
     pub reading: Option<Box<dyn Basis<S>>>,
     /// (p, k) if the multiplier is the unstable pairing p/p-k under another name.
     pub unstable: Option<(usize, usize)>,
-    /// Functions of the body on the side that cannot move along the normals; none without multiplier.
-    pub held: Vec<usize>,
+    /// Functions of the model on the side, and on what it faces, that supports hold along the normals.
+    pub held: HashSet<usize>,
     /// Whether the multiplier is the dual one of the side.
     pub is_dual: bool,
     /// Cone of admissible multipliers.

@@ -11,11 +11,17 @@
 //! an element lies inside of it, and the dual space holds constants only: whatever the degree, errors of u fall as at degree 2, those of
 //! lambda with order 1. At degree 2 and below nothing is lost to the default.
 //!
-//! *Mixed* integration sums what the multiplier does to the master over the master's own elements. Functions of degree 0 and 1 that are
-//! not those of the side jump or kink inside of them at every vertex of the slave, which leaves the error of u with order 2. Those of higher
-//! degree on Lagrange elements kink there, too, which may leave it with the order p of the side, in place of p + 1; grids differ.
+//! *Mixed* integration sums what the multiplier does to the master over the master's own elements. Where these have vertices of the slave
+//! inside, at which its functions jump or kink, the error of u may be left with the order
+//!
+//! ```text
+//! min(k + 1, p)
+//! ```
+//!
+//! for functions that hold polynomials of degree k, p the degree of the side: 1 of constants and of dual functions of splines, p of the functions
+//! of Lagrange elements themselves. Grids differ; it is reached where masters have twice the size.
 
-use super::kinks::kinked_share;
+use super::kinks::{Breaks, breaks};
 use super::warning::{Subject, Warning};
 use crate::assembly::gauss_rules;
 use crate::basis::{Basis, Order, ShapeTable};
@@ -29,10 +35,10 @@ use crate::space::Space;
 const CUBIC: usize = 3;
 /// Distance of means over the size of an element, weighed by the function, above which linear fields are not held.
 const APART: f64 = 0.05;
-/// Greatest degree of multipliers that are not smooth, whatever the side is.
-const ROUGH: usize = 1;
-/// Share of a side's inner edges at which functions kink, from which on they spoil the sums of mixed integration.
-const KINKED: f64 = 0.5;
+/// Share of a side's inner edges at which functions jump or kink, from which on they spoil the sums of mixed integration.
+const MOST: f64 = 0.5;
+/// Share of them that lie inside of the master's elements.
+const INSIDE: f64 = 0.1;
 
 /// Finds the ties and contacts with such multipliers.
 pub(super) fn low_orders<const S: usize, const N: usize>(model: &Model<S, N>) -> Vec<Warning> {
@@ -45,14 +51,15 @@ pub(super) fn low_orders<const S: usize, const N: usize>(model: &Model<S, N>) ->
     for (k, tie) in model.ties.iter().enumerate() {
         for part in &tie.parts {
             add(constants_only(Subject::tie(model, k), &part.slave, part.is_dual));
-            let mixed = part.pairings.iter().any(|pairing| pairing.second.is_some());
-            add(kinked(Subject::tie(model, k), &part.slave, part.multipliers.first().map(|m| &**m), mixed));
+            let masters: Vec<_> = part.pairings.iter().filter(|p| p.second.is_some()).map(|p| &*p.master).collect();
+            add(mixed(Subject::tie(model, k), &part.slave, part.multipliers.first().map(|m| (&**m, part.is_dual)), &masters));
         }
     }
     for (k, contact) in model.contacts.iter().enumerate() {
         for part in &contact.parts {
             add(constants_only(Subject::contact(model, k), &part.slave, part.is_dual));
-            add(kinked(Subject::contact(model, k), &part.slave, part.multiplier.as_deref(), part.second.is_some()));
+            let masters: Vec<_> = part.masters.iter().filter(|_| part.second.is_some()).map(|m| &**m).collect();
+            add(mixed(Subject::contact(model, k), &part.slave, part.multiplier.as_deref().map(|m| (m, part.is_dual)), &masters));
         }
     }
     found
@@ -64,19 +71,35 @@ fn constants_only<const S: usize, const N: usize>(of: Subject, slave: &BodySide<
     (is_dual && degree >= CUBIC && !dual_holds_linear(space)).then(|| Warning::DualConstants { of, slave: slave.label.clone(), degree })
 }
 
-fn kinked<const S: usize, const N: usize>(
+/// `multiplier` with whether it is dual; `masters`: those that mixed integration takes the points of.
+fn mixed<const S: usize, const N: usize>(
     of: Subject,
     slave: &BodySide<S, N>,
-    multiplier: Option<&dyn Basis<S>>,
-    mixed: bool,
+    multiplier: Option<(&dyn Basis<S>, bool)>,
+    masters: &[&BodySide<S, N>],
 ) -> Option<Warning> {
-    let psi = multiplier.filter(|_| mixed)?;
-    let degree = least_degree::<S, f64>(&*slave.trace.space);
+    let (psi, is_dual) = multiplier.filter(|_| !masters.is_empty())?;
+    let space = &*slave.trace.space;
+    let degree = least_degree::<S, f64>(space);
     let own = (0..psi.num_elements()).flat_map(|e| psi.degree(e)).max()?;
-    let is_rough = own < degree && own <= ROUGH;
-    let order = if is_rough { 2 } else { degree };
-    let kinks = || kinked_share(&*slave.trace.space, psi) > KINKED;
-    (is_rough || degree > 1 && kinks()).then(|| Warning::MixedMultiplier { of, slave: slave.label.clone(), degree, multiplier: own, order })
+    // of degree 1 the order falls by one at most where the estimate of consistency tells of it
+    if degree == 1 {
+        return None;
+    }
+    let Breaks { broken, inside } = breaks(space, psi, masters);
+    let held = match is_dual {
+        false => own,
+        true if dual_holds_linear(space) => degree - 1,
+        true => 0,
+    };
+    let order = degree.min(held + 1);
+    (broken > MOST && inside > INSIDE * broken).then(|| Warning::MixedMultiplier {
+        of,
+        slave: slave.label.clone(),
+        degree,
+        multiplier: own,
+        order,
+    })
 }
 
 /// Whether the dual functions of a side hold linear fields, but for [`APART`].

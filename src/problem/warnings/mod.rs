@@ -104,9 +104,12 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(lost_parts::lost_parts(self, state));
         found.extend(soft_penalty::soft_penalties(self, state));
         found.extend(coarse_tie::coarse_ties(self, state));
-        found.extend(gap_pressure::gap_pressures(self, state));
+        let held = held_within::held_within(self, state);
+        // where a side is held deep, the gap is why the pressure comes from it
+        let is_deep = |of: &Warning| held.iter().any(|held| held.subject() == of.subject());
+        found.extend(gap_pressure::gap_pressures(self, state).into_iter().filter(|of| !is_deep(of)));
         found.extend(tension::tensions(self, state));
-        found.extend(held_within::held_within(self, state));
+        found.extend(held);
         found.extend(kinematics::kinematics(self, state));
         found
     }

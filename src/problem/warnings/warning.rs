@@ -152,8 +152,8 @@ pub enum Warning {
         /// The degree of the slave side.
         degree: usize,
     },
-    /// Mixed integration of multipliers of degree 0 or 1, below that of the slave side: they jump or kink inside of the master's elements,
-    /// and errors of u fall with order 2.
+    /// Mixed integration of multipliers that jump or kink inside of the master's elements: errors of u may fall with a lower order than that
+    /// of the slave side.
     MixedMultiplier {
         /// The tie or contact.
         of: Subject,

@@ -96,6 +96,12 @@ fn tie_fault<const S: usize, const N: usize>(
                 .error("E025", text, at)
                 .with_help("a tied slave must be covered: swap slave and master, or add the missing master sides")
         }
+        InterfaceError::Doubled { share } => {
+            let text = format!("{} % of the slave side `{}` meets two of {}", percent(*share), slave.label(), labels(masters));
+            context
+                .error("E025", text, at)
+                .with_help("a tied slave must be covered once: leave out one of the masters, or a part of it by `where`")
+        }
         InterfaceError::Carries { .. } => context
             .error("E019", format!("interface \"{name}\": {error}"), tie.coupling.at)
             .with_help("write coupling = \"mortar\", or state what the side carries on another part of it, by `where`"),

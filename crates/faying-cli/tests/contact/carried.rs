@@ -91,3 +91,63 @@ fn what_others_parts_of_a_side_carry_does_no_harm() {
         }
     }
 }
+
+/// A block, held below, under a rigid box that comes to the loaded part of its side at the last of `times`.
+fn slides(dimension: usize, rest: &str, times: &str, method: &str) -> Result<RunResult, String> {
+    let (axis, fixed) = if dimension == 2 { ("y", "\"x\"") } else { ("z", "\"x\", \"y\"") };
+    let corner = |x: &str, z: &str| if dimension == 2 { format!("[{x}, {z}]") } else { format!("[{x}, 0, {z}]") };
+    let far = |x: &str, y: &str, z: &str| if dimension == 2 { format!("[{x}, {z}]") } else { format!("[{x}, {y}, {z}]") };
+    let beside = |z: &str| if dimension == 2 { format!("[-1, {z}]") } else { format!("[-1, -1, {z}]") };
+    let text = format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = {dimension}\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.0\n\
+         [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"box\", min = {}, max = {} }}\nelements = {:?}\n\
+         [[boundary]]\non = \"a.bottom\"\nfix = [{fixed}, \"{axis}\"]\n\
+         [[contact]]\nname = \"j\"\nslave = \"a.top\"\nmethod = \"{method}\"\n\
+         rigid = {{ kind = \"box\", min = {}, max = {}, move = {{ x = \"2*t\" }} }}\n{rest}\n[steps]\nt = {times}\n",
+        corner("0", "0"),
+        far("2", "1", "1"),
+        if dimension == 2 { vec![8, 2] } else { vec![8, 2, 2] },
+        beside("0.99"),
+        far("0.75", "2", "2"),
+    );
+    read(&text.replace("AXIS", axis), &[]).run(&Registry::default()).map_err(|e| e.to_string())
+}
+
+#[test]
+fn a_moving_obstacle_is_looked_at_where_it_stands() {
+    for dimension in [2, 3] {
+        for (rest, word) in [
+            ("pressure = 0.01", "has the load \"l\""),
+            ("spring = { AXIS = 0.1 }", "has the springs \"l\""),
+            ("fix = [\"AXIS\"]", "is held"),
+        ] {
+            let rest = format!("[[boundary]]\nname = \"l\"\non = \"a.top\"\nwhere = \"x > 1\"\n{rest}");
+            // at the first time it ends before the part, at the second it covers a half of it
+            for (times, method, is_told) in [("[0, 0.4]", "nitsche", true), ("[0, 0.1]", "nitsche", false), ("[0, 0.4]", "lagrange", false)]
+            {
+                let found = slides(dimension, &rest, times, method);
+                match found {
+                    Err(told) => {
+                        assert!(is_told && told.starts_with("error[E019]") && told.contains(word), "{rest} {times} {method}: {told}")
+                    }
+                    Ok(_) => assert!(!is_told, "{dimension} {rest} {times} {method}"),
+                }
+            }
+        }
+    }
+}
+
+/// Blocks that slide along their normals, one each, have opposite directions: both are held, and nothing moves between them.
+#[test]
+fn sides_that_are_held_alike_do_no_harm() {
+    for (table, joint, _) in JOINTS {
+        for held in ["fix = [\"AXIS\"]", "fix = [\"normal\"]"] {
+            let rest = ["a.top", "b.bottom"].map(|on| format!("[[boundary]]\non = \"{on}\"\n{held}\n")).concat();
+            for dimension in [2, 3] {
+                let found = column(dimension, &joint.replace("KIND", "nitsche"), &rest);
+                let found = found.unwrap_or_else(|e| panic!("{table} {rest}: {e}"));
+                assert!(probe(&found, "p").abs() < 0.02, "{table} {rest}");
+            }
+        }
+    }
+}

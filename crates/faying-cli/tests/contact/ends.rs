@@ -176,3 +176,49 @@ fn a_side_that_is_held_inside_of_an_obstacle_is_told() {
         }
     }
 }
+
+/// A block whose ends are held, `depth` deep in a plane or in a block below.
+fn held_by_its_ends(discretization: &str, elements: usize, faced: &str, keys: &str) -> RunResult {
+    run(&format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\n{discretization}\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+         [[patch]]\nname = \"up\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [2, 1] }}\nelements = [{elements}, 3]\n\
+         [[boundary]]\non = [\"up.left\", \"up.right\"]\nfix = [\"x\", \"y\"]\n\
+         [[patch]]\nname = \"lo\"\ngeometry = {{ kind = \"box\", min = [0, -1], max = [2, 0] }}\nelements = [5, 3]\n\
+         [[boundary]]\non = \"lo.bottom\"\nfix = [\"x\", \"y\"]\n[[contact]]\nname = \"c\"\nslave = \"up.bottom\"\n{faced}\n{keys}\n"
+    ))
+}
+
+/// Where a side is held deep the force depends on the elements, and is another one by every method: told. A master that gives way is not what holds.
+#[test]
+fn held_depths_are_told_with_every_method_and_masters_that_give_way_are_not() {
+    const PLANE: &str = "rigid = { kind = \"half-plane\", point = [0, 0.01], normal = [0, 1] }";
+    const BLOCK: &str = "master = \"lo.top\"\ngap = \"g - 0.01\"";
+    for discretization in ["backend = \"iga\"\ndegree = 2", "backend = \"fe\"\ndegree = 1", "backend = \"fe\"\ndegree = 2"] {
+        for method in ["lagrange", "nitsche", "penalty", "augmented"] {
+            let solve = |faced: &str, n: usize| {
+                let result = held_by_its_ends(discretization, n, faced, &format!("method = \"{method}\""));
+                let of = |word: &str| result.warnings.iter().any(|w| w.code == "E065" && w.message.contains(word));
+                ([of("is held 0.00"), of("its force, a mean")], result.contact["c"].force[1])
+            };
+            let (coarse, fine) = (solve(PLANE, 8), solve(PLANE, 32));
+            assert_eq!([coarse.0, fine.0], [[true, false]; 2], "{discretization} {method}");
+            assert!((fine.1 / coarse.1 - 1.0).abs() > 0.2, "{discretization} {method}: {coarse:?} {fine:?}");
+            assert!(!solve(BLOCK, 6).0[0], "{discretization} {method}");
+        }
+    }
+}
+
+/// Facets around a disc are within it by their sag whatever holds their ends.
+#[test]
+fn facets_that_are_held_on_an_obstacle_are_not_deep_in_it() {
+    for elements in [5, 10, 20] {
+        let result = run(&format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\nbackend = \"fe\"\ndegree = 1\n[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.3\n\
+             [[patch]]\nname = \"a\"\ngeometry = {{ kind = \"annulus-sector\", radius = [1, 2], angle_deg = [0, 90] }}\nelements = [{elements}, 2]\n\
+             [[boundary]]\non = [\"a.u0\", \"a.u1\"]\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"a.v1\"\npressure = 1e-3\n\
+             [[contact]]\nname = \"c\"\nslave = \"a.v0\"\nrigid = {{ kind = \"sphere\", center = [0, 0], radius = 1 }}\n"
+        ));
+        let word = |word: &str| result.warnings.iter().any(|w| w.code == "E065" && w.message.contains(word));
+        assert_eq!((word("facets decide what touches"), word("is held")), (true, false), "{elements}: {:?}", result.warnings);
+    }
+}

@@ -184,6 +184,41 @@ fn a_slave_that_its_list_of_masters_leaves_open_is_refused_with_its_share() {
     }
 }
 
+/// Two bodies in the same place cover a half of the slave twice, and none the other one: their measures add up.
+#[test]
+fn a_slave_that_two_masters_cover_is_refused() {
+    for (dimension, integration) in [2, 3].into_iter().flat_map(|d| ["merged", "slave", "mixed"].map(|rule| (d, rule))) {
+        let solve = |[a, c]: [f64; 2], begin: f64| {
+            let point = |x: f64, z: f64, y: f64| if dimension == 2 { format!("[{x}, {z}]") } else { format!("[{x}, {y}, {z}]") };
+            let block = |name: &str, [x, z]: [f64; 2], end: f64, n: usize| {
+                let (min, max, n) = (point(x, z, 0.0), point(end, z + 1.0, 1.0), [n, 2, 2]);
+                format!(
+                    "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = {min}, max = {max} }}\nelements = {:?}\n",
+                    &n[..dimension]
+                )
+            };
+            let text = format!("[model]\nphysics = \"poisson\"\ndimension = {dimension}\n[[material]]\nname = \"m\"\nconductivity = 1\n")
+                + &block("b", [0.0, 1.0], 2.0, 4)
+                + &block("a", [0.0, 0.0], a, 3)
+                + &block("c", [begin, 0.0], c, 3)
+                + "[[boundary]]\non = [\"a.bottom\", \"c.bottom\"]\nfix = [\"u\"]\n[[boundary]]\non = \"b.top\"\nneumann = 1\n"
+                + &format!("[[interface]]\nslave = \"b.bottom\"\nmaster = [\"a.top\", \"c.top\"]\nintegration = \"{integration}\"\n");
+            let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            case.run(&Registry::default()).map(|result| result.status).map_err(|e| e.to_string())
+        };
+        let what = format!("{dimension}D {integration}");
+        assert!(solve([1.0, 2.0], 1.0).is_ok(), "{what}");
+        for (ends, begin, word) in [
+            ([1.0, 1.0], 0.0, "only 50 % of the slave side `b.bottom` meets `a.top`, `c.top`"),
+            ([1.2, 2.0], 1.0, "10 % of the slave side `b.bottom` meets two of `a.top`, `c.top`"),
+            ([2.0, 2.0], 0.0, "100 % of the slave side `b.bottom` meets two of `a.top`, `c.top`"),
+        ] {
+            let told = solve(ends, begin).expect_err(&what);
+            assert!(told.starts_with("error[E025]") && told.contains(word), "{what}: {told}");
+        }
+    }
+}
+
 // Half rings on rational maps carry x; integrals of rational functions need the extra points.
 #[test]
 fn linear_fields_pass_two_interfaces_between_the_same_two_patches() {

@@ -134,11 +134,7 @@ fn of_slave(case: &Case, of: &Subject, warning: &Warning) -> Option<(&'static st
                  kinks inside of the master's elements, and errors of u may fall with order {order} only"
             ),
             integration_at(case, of)?,
-            if multiplier < degree {
-                "write integration = \"merged\", or multiplier = \"p/p\" with smooth splines on the slave side".into()
-            } else {
-                "write integration = \"merged\", or let a side of smooth splines be the slave".into()
-            },
+            "write integration = \"merged\", or multiplier = \"p/p\" with smooth splines on the slave side".into(),
         ),
         _ => return None,
     })

@@ -95,8 +95,8 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
         ),
         Warning::HeldWithin { depth, x, .. } => (
             format!(
-                "the slave side of contact \"{name}\" is held {} deep in what it faces, at {}: no pressure moves it out, and stresses beside it \
-                 depend on the elements",
+                "the slave side of contact \"{name}\" is held {} deep in what it faces, at {}: no pressure moves it out, and the force and the \
+                 stresses beside it depend on the elements",
                 short(*depth),
                 place(x)
             ),
@@ -123,7 +123,7 @@ fn of_pressure(warning: &Warning, name: &str) -> Option<(String, &'static str)> 
         Warning::GapPressure { pressure, from_gap, gap, x, .. } => (
             format!(
                 "the pressure of contact \"{name}\" at points is not the stress of its bodies: at {} {} of {} is the factor times a gap of {}; its \
-                 force, a mean, is less affected",
+                 force, a mean, is usually less affected",
                 place(x),
                 short(*from_gap),
                 short(*pressure),
@@ -134,7 +134,7 @@ fn of_pressure(warning: &Warning, name: &str) -> Option<(String, &'static str)> 
         Warning::WavyFacets { height, wave, pressure, .. } => (
             format!(
                 "the pressure of contact \"{name}\" at points has waves of about {} beside {}: facets leave the surface that they stand for by {}; \
-                 its force, a mean, is less affected",
+                 its force, a mean, is usually less affected",
                 short(*wave),
                 short(*pressure),
                 short(*height)

@@ -1,0 +1,140 @@
+//! The points of ties and contacts on the sides of the bodies at a time.
+
+use super::contact_part::faced;
+use super::handles::InterfaceId;
+use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing, TiePart};
+use crate::basis::Order;
+use crate::coupling::Segments;
+use crate::geometry::{Geometry, MapTable};
+use crate::linalg::{Vector, measure};
+use crate::quadrature::Quadrature;
+use std::collections::{BTreeMap, HashMap};
+
+/// A point of a side: place and outward normal.
+pub(super) type SidePlace<const N: usize> = (Vector<N>, Vector<N>);
+
+/// The points of an interface on the side of a body, by the elements of the side.
+pub(super) struct Footprint<'a, const S: usize, const N: usize> {
+    pub side: &'a BodySide<S, N>,
+    points: BTreeMap<usize, Vec<SidePlace<N>>>,
+    /// Share of every element that the points stand for.
+    pub share: BTreeMap<usize, f64>,
+    /// Elements of the side with points, by the elements of the body that they belong to.
+    of_body: HashMap<usize, Vec<usize>>,
+}
+
+impl<'a, const S: usize, const N: usize> Footprint<'a, S, N> {
+    /// The points of lists of segments on the slave or on the master; `own` gives an element's number on `side` if it is one of it.
+    fn new<'b>(
+        model: &Model<S, N>,
+        side: &'a BodySide<S, N>,
+        lists: impl IntoIterator<Item = &'b Segments<S>>,
+        is_master: bool,
+        own: &dyn Fn(usize) -> Option<usize>,
+    ) -> Self {
+        let (trace, mut map) = (&side.trace, MapTable::new());
+        let (mut all, mut share) = (BTreeMap::<usize, Vec<SidePlace<N>>>::new(), BTreeMap::<usize, f64>::new());
+        for segments in lists {
+            let (elements, xi) = if is_master { (&segments.master, &segments.master_xi) } else { (&segments.slave, &segments.slave_xi) };
+            for piece in 0..segments.num_pieces() {
+                let Some(element) = own(elements[piece]) else { continue };
+                let points = segments.points(piece);
+                trace.space.map(element, &xi[points.clone()], Order::Gradients, &mut map);
+                let places = map.x.iter().zip(&map.jacobian).map(|(x, j)| (*x, trace.normal(element, j)));
+                all.entry(element).or_default().extend(places);
+                *share.entry(element).or_default() += map.x.iter().zip(points).map(|(x, q)| segments.ds[q] / model.around(x)).sum::<f64>();
+            }
+        }
+        for (&element, share) in &mut share {
+            let rule = side.rules.rule(element);
+            trace.space.map(element, &rule.points, Order::Gradients, &mut map);
+            *share /= rule.weights.iter().zip(&map.jacobian).map(|(w, j)| w * measure(j)).sum::<f64>();
+        }
+        let mut of_body: HashMap<usize, Vec<usize>> = HashMap::new();
+        all.keys().for_each(|&e| of_body.entry(trace.facets[e].element).or_default().push(e));
+        Self { side, points: all, share, of_body }
+    }
+
+    /// Pairs of elements, of this side and of `other`, that are the same facet.
+    pub fn facets_of(&self, other: &BodySide<S, N>) -> impl Iterator<Item = [usize; 2]> {
+        let facets = if self.side.patch == other.patch { &other.trace.facets[..] } else { &[] };
+        facets.iter().enumerate().filter_map(|(o, facet)| {
+            let e = self.of_body.get(&facet.element)?.iter().find(|&&e| self.side.trace.facets[e] == *facet)?;
+            Some([*e, o])
+        })
+    }
+
+    /// The points that are of `other`, too.
+    pub fn places_of(&self, other: &BodySide<S, N>) -> impl Iterator<Item = &SidePlace<N>> {
+        self.facets_of(other).flat_map(|[e, _]| &self.points[&e])
+    }
+}
+
+/// A slave side with what it faces.
+pub(super) struct Joint<'a, const S: usize, const N: usize> {
+    /// The tie or contact.
+    pub id: InterfaceId,
+    /// Its name.
+    pub name: &'a str,
+    /// Place of the slave side in the statement.
+    pub number: usize,
+    /// Whether its method takes fluxes for what crosses.
+    pub by_fluxes: bool,
+    /// The slave side, then what it faces; against an obstacle the slave side alone.
+    pub sides: Vec<Footprint<'a, S, N>>,
+}
+
+impl<const S: usize, const N: usize> Joint<'_, S, N> {
+    pub fn is_tie(&self) -> bool {
+        matches!(self.id, InterfaceId::Tie(_))
+    }
+}
+
+impl<const S: usize, const N: usize> Model<S, N> {
+    /// All ties and contacts, with what obstacles that move face at time `t`.
+    pub(super) fn joints_at(&self, t: f64) -> Vec<Joint<'_, S, N>> {
+        let ties = self.ties.iter().flat_map(|tie| {
+            tie.parts.iter().enumerate().map(|(number, part)| Joint {
+                id: tie.id.into(),
+                name: &tie.name,
+                number,
+                by_fluxes: part.coupling.needs_fluxes(),
+                sides: self.of_tie(part),
+            })
+        });
+        let contacts = self.contacts.iter().flat_map(|contact| {
+            contact.parts.iter().map(move |part| Joint {
+                id: contact.id.into(),
+                name: &contact.name,
+                number: part.number,
+                by_fluxes: contact.method.needs().fluxes,
+                sides: self.of_contact(contact, part, t),
+            })
+        });
+        ties.chain(contacts).collect()
+    }
+
+    fn of_tie<'a>(&self, part: &'a TiePart<S, N>) -> Vec<Footprint<'a, S, N>> {
+        let slave = Footprint::new(self, &part.slave, part.pairings.iter().map(|pairing| &pairing.segments), false, &Some);
+        let masters = part.pairings.iter().map(|pairing| Footprint::new(self, &pairing.master, [&pairing.segments], true, &Some));
+        std::iter::once(slave).chain(masters).collect()
+    }
+
+    fn of_contact<'a>(&self, contact: &ContactModel<S, N>, part: &'a ContactPart<S, N>, t: f64) -> Vec<Footprint<'a, S, N>> {
+        let moved = match &part.against {
+            Opposing::Rigid(obstacle, ..) if obstacle.changes => Some(faced(&part.slave, &part.against, contact.reach, t)),
+            _ => None,
+        };
+        let segments = moved.as_ref().unwrap_or(&part.first.segments);
+        let mut sides = vec![Footprint::new(self, &part.slave, [segments], false, &Some)];
+        if let Opposing::Side(..) = part.against {
+            let mut first = 0;
+            for master in &part.masters {
+                let (from, to) = (first, first + master.trace.facets.len());
+                first = to;
+                sides.push(Footprint::new(self, master, [segments], true, &|e| (from..to).contains(&e).then(|| e - from)));
+            }
+        }
+        sides
+    }
+}
