@@ -82,24 +82,26 @@ impl<T: Real> Basis<1, T> for LagrangeLine<T> {
     }
     fn tabulate(&self, _element: usize, xi: &[Vector<1, T>], order: Order, table: &mut ShapeTable<1, T>) {
         let n = self.degree + 1;
-        table.reset(xi.len(), n, order);
+        table.resize(xi.len(), n, order);
+        let two = lit::<T>(2.0);
         for (q, x) in xi.iter().enumerate() {
-            for i in 0..n {
+            let (values, grads, hessians) = table.point_mut(q);
+            for (i, value) in values.iter_mut().enumerate() {
                 // product rule on prod_k (x - x_k) / (x_i - x_k), one factor after the other
                 let (mut v, mut d, mut h) = (T::one(), T::zero(), T::zero());
-                for (k, &node) in self.nodes.iter().enumerate().filter(|&(k, _)| k != i) {
-                    let slope = self.inverse[i * n + k];
+                let factors = self.nodes.iter().zip(&self.inverse[i * n..(i + 1) * n]).enumerate();
+                for (_, (&node, &slope)) in factors.filter(|(k, _)| *k != i) {
                     let factor = (x[0] - node) * slope;
-                    h = h * factor + lit::<T>(2.0) * d * slope;
+                    h = h * factor + two * d * slope;
                     d = d * factor + v * slope;
                     v *= factor;
                 }
-                table.values_mut(q)[i] = v;
-                if order >= Order::Gradients {
-                    table.grads_mut(q)[i][0] = d;
+                *value = v;
+                if let Some(grad) = grads.get_mut(i) {
+                    grad[0] = d;
                 }
-                if order >= Order::Hessians {
-                    table.hessians_mut(q)[i][0] = h;
+                if let Some(hessian) = hessians.get_mut(i) {
+                    hessian[0] = h;
                 }
             }
         }

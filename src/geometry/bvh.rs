@@ -2,13 +2,16 @@
 
 use super::Bounds;
 use crate::linalg::{Real, Vector, to_f64};
+use std::cell::Cell;
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Boxes per leaf; fewer make the tree deeper, more make leaves slower.
 const LEAF: usize = 4;
-/// Entries that the queue of a search has room for at first.
-const QUEUE: usize = 32;
+thread_local! {
+    /// The queue of the last search on this thread.
+    static QUEUE: Cell<BinaryHeap<Entry>> = Cell::default();
+}
 
 /// A median-split tree over numbered boxes.
 ///
@@ -39,11 +42,13 @@ struct Entry {
 
 impl Eq for Entry {}
 impl PartialOrd for Entry {
+    #[inline]
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 impl Ord for Entry {
+    #[inline]
     fn cmp(&self, other: &Self) -> Ordering {
         // a heap pops its largest entry: the order is reversed to pop the nearest
         other.distance.total_cmp(&self.distance).then(other.is_item.cmp(&self.is_item)).then(other.number.cmp(&self.number))
@@ -150,7 +155,8 @@ impl<const N: usize, T: Real> Tree<N, T> {
     /// Visits items as [`Tree::nearest`] does, of nodes (numbers of [`Tree::gathered`]) and items that `keep(number, is_item)` keeps.
     pub(crate) fn nearest_among(&self, x: &Vector<N, T>, reach: T, keep: impl Fn(usize, bool) -> bool, mut visit: impl FnMut(usize) -> T) {
         let mut reach = to_f64(reach);
-        let mut queue = BinaryHeap::with_capacity(QUEUE);
+        let mut queue = QUEUE.take();
+        queue.clear();
         if let Some(root) = self.nodes.first() {
             queue.push(Entry { distance: to_f64(root.bounds.distance(x)), number: 0, is_item: false });
         }
@@ -165,17 +171,24 @@ impl<const N: usize, T: Real> Tree<N, T> {
             let node = &self.nodes[next.number];
             match node.halves {
                 Some((a, b)) => {
-                    for n in [a, b].into_iter().filter(|&n| keep(n, false)) {
-                        queue.push(Entry { distance: to_f64(self.nodes[n].bounds.distance(x)), number: n, is_item: false });
+                    for number in [a, b].into_iter().filter(|&n| keep(n, false)) {
+                        let distance = to_f64(self.nodes[number].bounds.distance(x));
+                        if distance <= reach {
+                            queue.push(Entry { distance, number, is_item: false });
+                        }
                     }
                 }
                 None => {
-                    for &i in self.items[node.range.0..node.range.1].iter().filter(|&&i| keep(i, true)) {
-                        queue.push(Entry { distance: to_f64(self.boxes[i].distance(x)), number: i, is_item: true });
+                    for &number in self.items[node.range.0..node.range.1].iter().filter(|&&i| keep(i, true)) {
+                        let distance = to_f64(self.boxes[number].distance(x));
+                        if distance <= reach {
+                            queue.push(Entry { distance, number, is_item: true });
+                        }
                     }
                 }
             }
         }
+        QUEUE.set(queue);
     }
 }
 

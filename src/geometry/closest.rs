@@ -91,12 +91,21 @@ struct Best<const D: usize, const N: usize, T: Real> {
     x: Vector<N, T>,
     distance: T,
     found: bool,
+    /// The sample that it is, of a curve.
+    sample: Option<Sample<N, T>>,
 }
 
 impl<const D: usize, const N: usize, T: Real> Best<D, N, T> {
     fn offer(&mut self, element: usize, xi: Vector<D, T>, x: Vector<N, T>, distance: T) {
         if distance < self.distance {
-            *self = Self { element, xi, x, distance, found: true };
+            *self = Self { element, xi, x, distance, found: true, sample: None };
+        }
+    }
+
+    fn offer_sample(&mut self, element: usize, sample: &Sample<N, T>, p: &Vector<N, T>) {
+        let distance = (sample.x - p).norm();
+        if distance < self.distance {
+            *self = Self { element, xi: Vector::repeat(sample.t), x: sample.x, distance, found: true, sample: Some(*sample) };
         }
     }
 }
@@ -213,7 +222,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         if let Some(found) = self.inside(x, table).filter(|found| found.distance < reach) {
             return Some(found);
         }
-        let mut best = Best { element: 0, xi: Vector::zeros(), x: *x, distance: reach, found: false };
+        let mut best = Best { element: 0, xi: Vector::zeros(), x: *x, distance: reach, found: false, sample: None };
         let worth = self.size * lit(WORTH);
         self.tree.nearest(x, reach, |element| {
             if D == 1 {
@@ -235,7 +244,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     /// The point of one element closest to `x`, without its `rim`.
     pub(crate) fn project_on(&self, element: usize, x: &Vector<N, T>) -> Projection<D, N, T> {
         let far = T::max_value().unwrap_or_else(T::one);
-        let mut best = Best { element, xi: Vector::zeros(), x: *x, distance: far, found: false };
+        let mut best = Best { element, xi: Vector::zeros(), x: *x, distance: far, found: false, sample: None };
         self.search_cell(element, x, &mut best, &mut MapTable::new());
         Projection { element, xi: best.xi, x: best.x, distance: best.distance, rim: false }
     }
@@ -280,32 +289,38 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     fn search_curve(&self, element: usize, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
         let samples: [Sample<N, T>; PIECES + 1] = std::array::from_fn(|i| self.nodes[element][i].seen(num::<T>(i) / num(PIECES), p));
         for s in &samples {
-            best.offer(element, Vector::repeat(s.t), s.x, (s.x - p).norm());
+            best.offer_sample(element, s, p);
         }
         let worth = self.size * lit(WORTH);
-        let mut pieces: Vec<(T, Sample<N, T>, Sample<N, T>, usize)> = Vec::new();
+        // bisection takes one piece and leaves two: the list grows by one per depth at most
+        let mut pieces = [(T::zero(), samples[0], samples[0], 0); PIECES + DEPTH];
+        let mut open = 0;
         for w in samples.windows(2) {
             let below = self.below(element, p, &w[0], &w[1]);
             if below <= best.distance - worth {
-                pieces.push((below, w[0], w[1], 0));
+                pieces[open] = (below, w[0], w[1], 0);
+                open += 1;
             }
         }
         // nearest piece first: a close point rules out the others
-        pieces.sort_by(|a, b| b.0.partial_cmp(&a.0).unwrap_or(std::cmp::Ordering::Equal));
-        while let Some((below, a, b, depth)) = pieces.pop() {
+        pieces[..open].sort_by(|a, b| b.0.partial_cmp(&a.0).unwrap_or(std::cmp::Ordering::Equal));
+        while open > 0 {
+            open -= 1;
+            let (below, a, b, depth) = pieces[open];
             if below > best.distance - worth {
                 continue;
             }
             if a.slope < T::zero() && b.slope > T::zero() {
-                self.newton(element, p, (a, b), table, |s| best.offer(element, Vector::repeat(s.t), s.x, (s.x - p).norm()));
+                self.newton(element, p, (a, b), table, |s| best.offer_sample(element, s, p));
             }
             if self.convex(element, p, &a, &b) || depth == DEPTH || self.below(element, p, &a, &b) > best.distance - worth {
                 continue;
             }
             let m = self.sample(element, (a.t + b.t) * lit(0.5), p, table);
-            best.offer(element, Vector::repeat(m.t), m.x, (m.x - p).norm());
+            best.offer_sample(element, &m, p);
             for (a, b) in [(a, m), (m, b)] {
-                pieces.push((self.below(element, p, &a, &b), a, b, depth + 1));
+                pieces[open] = (self.below(element, p, &a, &b), a, b, depth + 1);
+                open += 1;
             }
         }
     }
@@ -365,7 +380,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
     ///
     /// Near the foot the distance varies quadratically, so the foot may lie in a piece that was ruled out.
     fn polish(&self, p: &Vector<N, T>, best: &mut Best<D, N, T>, table: &mut MapTable<D, N, T>) {
-        let mut at = self.sample(best.element, best.xi[0], p, table);
+        let mut at = best.sample.unwrap_or_else(|| self.sample(best.element, best.xi[0], p, table));
         let allowed = best.distance + self.size * lit(WORTH);
         for _ in 0..STEPS {
             if at.curvature <= T::zero() {

@@ -43,7 +43,29 @@ pub(crate) fn combine<const D: usize, const N: usize, T: Real>(
     order: Order,
     table: &mut MapTable<D, N, T>,
 ) {
-    table.reset(count, order);
+    let MapTable { x, jacobian, hessian, .. } = table;
+    fill(control, ids, shapes, count, order, Places { x, jacobian, hessian });
+}
+
+/// The places and derivatives of a table.
+struct Places<'a, const D: usize, const N: usize, T: Real> {
+    x: &'a mut Vec<Vector<N, T>>,
+    jacobian: &'a mut Vec<Matrix<N, D, T>>,
+    hessian: &'a mut Vec<[Matrix<D, D, T>; N]>,
+}
+
+fn fill<const D: usize, const N: usize, T: Real>(
+    control: &[Vector<N, T>],
+    ids: &[usize],
+    shapes: &ShapeTable<D, T>,
+    count: usize,
+    order: Order,
+    table: Places<'_, D, N, T>,
+) {
+    let of = |least: Order| if order >= least { count } else { 0 };
+    table.x.resize(count, Vector::zeros());
+    table.jacobian.resize(of(Order::Gradients), Matrix::zeros());
+    table.hessian.resize(of(Order::Hessians), [Matrix::zeros(); N]);
     for q in 0..count {
         let mut x = Vector::<N, T>::zeros();
         for (&i, &n) in ids.iter().zip(shapes.values(q)) {
@@ -59,6 +81,7 @@ pub(crate) fn combine<const D: usize, const N: usize, T: Real>(
         }
         if order >= Order::Hessians {
             let hessian = &mut table.hessian[q];
+            *hessian = [Matrix::zeros(); N];
             for (&i, h) in ids.iter().zip(shapes.hessians(q)) {
                 for (c, sum) in hessian.iter_mut().enumerate() {
                     *sum += h * control[i][c];
@@ -103,13 +126,10 @@ impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Basis<D, T> for Co
 
 impl<const D: usize, const N: usize, T: Real, B: Basis<D, T>> Geometry<D, N, T> for ControlPoints<B, N, T> {
     fn map(&self, element: usize, xi: &[Vector<D, T>], order: Order, table: &mut MapTable<D, N, T>) {
-        let mut shapes = std::mem::take(&mut table.shapes);
-        let mut ids = std::mem::take(&mut table.ids);
-        self.basis.active(element, &mut ids);
-        self.basis.tabulate(element, xi, order, &mut shapes);
-        self.combine(&ids, &shapes, xi.len(), order, table);
-        table.shapes = shapes;
-        table.ids = ids;
+        let MapTable { x, jacobian, hessian, shapes, ids, .. } = table;
+        self.basis.active(element, ids);
+        self.basis.tabulate(element, xi, order, shapes);
+        fill(&self.points, ids, shapes, xi.len(), order, Places { x, jacobian, hessian });
     }
 
     fn bounds(&self, element: usize) -> Bounds<N, T> {

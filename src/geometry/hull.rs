@@ -86,13 +86,29 @@ struct Lines<const D: usize, T: Real> {
     /// Per axis and element of it: active functions, and the matrix from their coefficients to Bernstein coefficients, row by row;
     /// `None` where the functions are no polynomials of the basis' degree.
     known: [HashMap<usize, Option<(Vec<usize>, Vec<T>)>>; D],
+    /// By degree.
+    grids: HashMap<usize, ChebyshevLine<T>>,
+}
+
+/// The Chebyshev points of a line, and the matrix from values there to Bernstein coefficients.
+#[derive(Debug)]
+struct ChebyshevLine<T: Real> {
+    points: Vec<T>,
+    inverse: Vec<T>,
+}
+
+impl<T: Real> ChebyshevLine<T> {
+    fn of(degree: usize) -> Self {
+        let points = chebyshev(degree);
+        Self { inverse: bernstein_inverse(&points), points }
+    }
 }
 
 impl<const D: usize, T: Real> Lines<D, T> {
     fn hull<const N: usize>(&mut self, block: &MapBlock<'_, D, N, T>, element: usize) -> Option<Bounds<N, T>> {
         let axes = &block.basis.axes;
         if self.first != block.basis.first {
-            *self = Self { first: block.basis.first, known: std::array::from_fn(|_| HashMap::new()) };
+            (self.first, self.known) = (block.basis.first, std::array::from_fn(|_| HashMap::new()));
         }
         let mut rest = element - block.basis.first;
         let at: [usize; D] = std::array::from_fn(|k| {
@@ -101,7 +117,11 @@ impl<const D: usize, T: Real> Lines<D, T> {
             e
         });
         for k in 0..D {
-            self.known[k].entry(at[k]).or_insert_with(|| to_bernstein(axes[k], at[k]));
+            let grids = &mut self.grids;
+            self.known[k].entry(at[k]).or_insert_with(|| {
+                let degree = axes[k].degree(at[k])[0];
+                to_bernstein(axes[k], at[k], grids.entry(degree).or_insert_with(|| ChebyshevLine::of(degree)))
+            });
         }
         let mut lines: [(&[usize], &[T]); D] = [(&[], &[]); D];
         for k in 0..D {
@@ -148,8 +168,8 @@ impl<const D: usize, T: Real> Lines<D, T> {
 
 /// Active functions of an element of a line, and the matrix that makes Bernstein coefficients of theirs; `None` unless they are
 /// polynomials of the basis' degree.
-fn to_bernstein<T: Real>(axis: &dyn Basis<1, T>, element: usize) -> Option<(Vec<usize>, Vec<T>)> {
-    let line = chebyshev::<T>(axis.degree(element)[0]);
+fn to_bernstein<T: Real>(axis: &dyn Basis<1, T>, element: usize, grid: &ChebyshevLine<T>) -> Option<(Vec<usize>, Vec<T>)> {
+    let ChebyshevLine { points: line, inverse } = grid;
     let n = line.len();
     // a further point shows whether the polynomials through the others are the functions
     let between = lit(0.37);
@@ -160,7 +180,6 @@ fn to_bernstein<T: Real>(axis: &dyn Basis<1, T>, element: usize) -> Option<(Vec<
         return None;
     }
     axis.tabulate(element, &points, Order::Values, &mut table);
-    let inverse = bernstein_inverse(&line);
     let coefficient = |row: usize, a: usize| (0..n).fold(T::zero(), |s, q| s + inverse[row * n + q] * table.values(q)[a]);
     let matrix: Vec<T> = (0..n).flat_map(|row| (0..ids.len()).map(move |a| (row, a))).map(|(row, a)| coefficient(row, a)).collect();
     let choose = |k: usize| (0..k).fold(T::one(), |c, i| c * num(n - 1 - i) / num(i + 1));
@@ -203,7 +222,7 @@ impl<'a, const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>
     /// Creates the boxes of `geometry`, whose functions and points are `control`.
     pub fn new(geometry: &'a G, control: Control<'a, D, N, T>) -> Self {
         let sampler = Sampler::new(geometry, Order::Hessians);
-        let lines = Lines { first: 0, known: std::array::from_fn(|_| HashMap::new()) };
+        let lines = Lines { first: 0, known: std::array::from_fn(|_| HashMap::new()), grids: HashMap::new() };
         Self { geometry, control, sampler, kept: Vec::new(), lines, table: MapTable::new(), ids: Vec::new(), values: Vec::new() }
     }
 
