@@ -4,6 +4,7 @@
 //! cut into pieces that are bisected while a bound on the curvature leaves room for a closer point, so the answer is the
 //! closest one, not a local one. Surfaces and volumes start from the best points of a grid, points in a volume from the middle of an element.
 
+use super::best_point::Best;
 use super::feasible_step::{feasible_step, into_cell};
 use super::opposed::Facing;
 use super::{Bounds, Geometry, MapTable, Tree, cell};
@@ -82,32 +83,6 @@ pub(super) struct Node<const N: usize, T: Real> {
     pub x: Vector<N, T>,
     pub d: Vector<N, T>,
     dd: Vector<N, T>,
-}
-
-/// The best point so far.
-struct Best<const D: usize, const N: usize, T: Real> {
-    element: usize,
-    xi: Vector<D, T>,
-    x: Vector<N, T>,
-    distance: T,
-    found: bool,
-    /// The sample that it is, of a curve.
-    sample: Option<Sample<N, T>>,
-}
-
-impl<const D: usize, const N: usize, T: Real> Best<D, N, T> {
-    fn offer(&mut self, element: usize, xi: Vector<D, T>, x: Vector<N, T>, distance: T) {
-        if distance < self.distance {
-            *self = Self { element, xi, x, distance, found: true, sample: None };
-        }
-    }
-
-    fn offer_sample(&mut self, element: usize, sample: &Sample<N, T>, p: &Vector<N, T>) {
-        let distance = (sample.x - p).norm();
-        if distance < self.distance {
-            *self = Self { element, xi: Vector::repeat(sample.t), x: sample.x, distance, found: true, sample: Some(*sample) };
-        }
-    }
 }
 
 /// One sample of a curve: parameter, x, |x'|, f', f''.

@@ -1,5 +1,6 @@
 //! Floor 4: maps from elements to space; independent of unknowns.
 
+mod best_point;
 mod bounds;
 mod bvh;
 pub mod cell;

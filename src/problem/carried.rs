@@ -8,7 +8,7 @@
 //! ```
 //!
 //! and the method would be wrong by the rest of it, on every mesh. Of contacts only the part along the normal counts. Components in which
-//! all sides of an interface are held do no harm: nothing moves there.
+//! elements of both sides that face each other are held do no harm: nothing moves there.
 
 use super::assemble::of_slave;
 use super::data::Point;
@@ -17,16 +17,14 @@ use super::footprint::{Footprint, Joint, SidePlace};
 use super::interface_error::{Carried, InterfaceError};
 use super::model::{BodySide, Model};
 use crate::linalg::Vector;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// Sum of the shares of an element that two interfaces cover, above which they have points in common.
-const COMMON: f64 = 1.1;
 /// Components of a unit vector below this count as zero.
 const PERPENDICULAR: f64 = 1e-9;
 
 /// A direction in which a support holds points of a side.
 #[derive(Clone, Copy)]
-enum Held<const N: usize> {
+enum HeldAlong<const N: usize> {
     /// Anywhere the same.
     Along(Vector<N>),
     /// The normals, which turn.
@@ -35,7 +33,7 @@ enum Held<const N: usize> {
     Tangents,
 }
 
-impl<const N: usize> Held<N> {
+impl<const N: usize> HeldAlong<N> {
     fn is_along(&self, other: &Self) -> bool {
         match (self, other) {
             (Self::Along(a), Self::Along(b)) => (a - b * a.dot(b)).norm() < PERPENDICULAR,
@@ -70,10 +68,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
 
     fn carried_by(&self, joint: &Joint<'_, S, N>, joints: &[Joint<'_, S, N>], times: &[f64]) -> Option<ProblemError> {
         let held: Vec<_> = joint.sides.iter().map(|side| self.held_along(side, joint.is_tie())).collect();
-        // of a contact with an obstacle there is one side, and nothing to move against
-        let everywhere = |d: &Held<N>| held.len() > 1 && held.iter().all(|list| list.iter().any(|other| d.is_along(other)));
-        let own = joint.sides.iter().zip(&held).find_map(|(side, held)| {
-            let support = || held.iter().any(|d| !everywhere(d)).then_some(Carried::Support);
+        let own = joint.sides.iter().enumerate().find_map(|(k, side)| {
+            let support = || held_alone(joint, &held, k).then_some(Carried::Support);
             Some((side, self.load(side, joint.is_tie(), times).or_else(support)?))
         });
         let others = || joints.iter().filter(|other| other.id != joint.id).find_map(|other| common(joint, other));
@@ -120,35 +116,63 @@ impl<const S: usize, const N: usize> Model<S, N> {
         None
     }
 
-    /// Directions in which supports hold points of the side; of a contact those that have a part along the normal.
-    fn held_along(&self, side: &Footprint<'_, S, N>, is_tie: bool) -> Vec<Held<N>> {
+    /// Directions in which supports hold elements of the side; of a contact those that have a part along the normal.
+    fn held_along(&self, side: &Footprint<'_, S, N>, is_tie: bool) -> HeldElements<N> {
         let unit = |c: usize| Vector::<N>::from_fn(|k, _| if k == c { 1.0 } else { 0.0 });
-        let mut held: Vec<Held<N>> = Vec::new();
-        let mut add = |of: &BodySide<S, N>, d: Vector<N>| {
-            let acts = side.places_of(of).any(|(_, n)| is_tie || d.dot(n).abs() > PERPENDICULAR);
-            held.extend(acts.then_some(Held::Along(d)));
+        let mut held: HeldElements<N> = Vec::new();
+        let mut add = |of: &BodySide<S, N>, along: HeldAlong<N>| {
+            let elements = side.elements_of(of);
+            match held.iter_mut().find(|(other, _)| along.is_along(other)) {
+                Some((_, known)) => known.extend(elements),
+                None if elements.is_empty() => {}
+                None => held.push((along, elements)),
+            }
+        };
+        let counts = |of: &BodySide<S, N>, d: &Vector<N>| is_tie || side.places_of(of).any(|(_, n)| d.dot(n).abs() > PERPENDICULAR);
+        let mut hold = |of: &BodySide<S, N>, d: Vector<N>| {
+            if counts(of, &d) {
+                add(of, HeldAlong::Along(d));
+            }
         };
         for c in self.conditions.iter() {
-            add(&c.side, unit(c.component));
+            hold(&c.side, unit(c.component));
         }
         for h in &self.held {
-            add(&h.side, h.direction);
+            hold(&h.side, h.direction);
         }
         for r in &self.rigid_sides {
-            r.sides.iter().for_each(|of| add(of, unit(r.component)));
+            r.sides.iter().for_each(|of| hold(of, unit(r.component)));
         }
         // tangents count in ties alone
         for slide in self.slides.iter().filter(|slide| is_tie || slide.along_normal()) {
-            let mut normals = side.places_of(slide.side()).map(|(_, n)| Held::Along(*n));
+            let mut normals = side.places_of(slide.side()).map(|(_, n)| HeldAlong::Along(*n));
             let Some(first) = normals.next() else { continue };
-            held.push(match slide.along_normal() {
-                false => Held::Tangents,
+            let along = match slide.along_normal() {
+                false => HeldAlong::Tangents,
                 true if normals.all(|n| n.is_along(&first)) => first,
-                true => Held::Normals,
-            });
+                true => HeldAlong::Normals,
+            };
+            add(slide.side(), along);
         }
         held
     }
+}
+
+/// Directions, and the elements of a side that are held in each.
+type HeldElements<const N: usize> = Vec<(HeldAlong<N>, BTreeSet<usize>)>;
+
+/// Whether an element of side `k` of `joint` is held in a direction in which the one that it faces is not, or faces an obstacle.
+fn held_alone<const S: usize, const N: usize>(joint: &Joint<'_, S, N>, held: &[HeldElements<N>], k: usize) -> bool {
+    let is_held = |side: usize, along: &HeldAlong<N>, element: usize| {
+        held[side].iter().any(|(own, elements)| own.is_along(along) && elements.contains(&element))
+    };
+    held[k].iter().any(|(along, elements)| {
+        joint.pairs.is_empty()
+            || joint.pairs.iter().any(|&(slave, side, master)| match k {
+                0 => elements.contains(&slave) && !is_held(side, along, master),
+                _ => side == k && elements.contains(&master) && !is_held(0, along, slave),
+            })
+    })
 }
 
 /// A side of `joint` that has points in common with another interface.
@@ -156,9 +180,6 @@ fn common<'a, const S: usize, const N: usize>(
     joint: &'a Joint<'a, S, N>,
     other: &Joint<'_, S, N>,
 ) -> Option<(&'a Footprint<'a, S, N>, Carried)> {
-    let meets = |a: &Footprint<'_, S, N>, b: &Footprint<'_, S, N>| {
-        a.facets_of(b.side).any(|[e, f]| a.share[&e] + b.share.get(&f).unwrap_or(&0.0) > COMMON)
-    };
-    let side = joint.sides.iter().find(|a| other.sides.iter().any(|b| meets(a, b)))?;
+    let side = joint.sides.iter().find(|a| other.sides.iter().any(|b| a.meets(b)))?;
     Some((side, Carried::Interface(other.name.to_owned())))
 }

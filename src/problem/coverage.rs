@@ -1,4 +1,4 @@
-//! How much of the slave side of a tie its masters cover, and how much of it twice.
+//! Shares of the slave side of a tie that its masters cover, and that two of them cover.
 //!
 //! With s_e the sum of the shares of element e that each master covers, and m_e its measure,
 //!
@@ -14,8 +14,11 @@
 //! |1 - s_e| d <= h.
 //! ```
 //!
-//! Across a gap, masters that meet at an angle have such a strip as wide as the gap: h includes it for what is doubled. On other sides nothing
-//! explains it.
+//! A master that is farther than twice the others and covers no more than such a strip of what they cover wholly is none of the slave: it is that
+//! of a neighbour, beyond a corner or a step.
+//!
+//! Across a gap, masters that meet at an angle have such a strip, of up to twice the gap, of which a thin element is the larger share: h includes
+//! eight times the gap for what is doubled. On other sides nothing explains it.
 
 use super::model::{BodySide, Model, Pairing, TiePart};
 use super::touching::sag;
@@ -27,16 +30,21 @@ use crate::quadrature::Quadrature;
 /// Largest share of a slave side that may be uncovered, or covered twice.
 const ROUNDING: f64 = 1e-6;
 
-/// What the masters of a tie cover of a slave side.
+/// Distance over that of all others from which on a master may be that of a neighbour.
+const FARTHER: f64 = 2.0;
+/// Width over gap, and diameter over width, of a strip that two masters cover where they meet at an angle, together.
+const STRIP: f64 = 8.0;
+
+/// The shares of a slave side's elements that the masters of a tie cover.
 #[derive(Debug)]
-pub(super) struct Coverage {
+pub(super) struct SlaveCoverage {
     /// Measure and sum of the shares of every slave element.
     elements: Vec<(f64, f64)>,
 }
 
-impl Coverage {
-    pub fn of<const S: usize, const N: usize>(slave: &BodySide<S, N>, pairings: &[Pairing<S, N>]) -> Self {
-        let mut map = MapTable::new();
+impl SlaveCoverage {
+    pub fn of<'a, const S: usize, const N: usize>(slave: &BodySide<S, N>, pairings: impl IntoIterator<Item = &'a Pairing<S, N>>) -> Self {
+        let (mut map, pairings) = (MapTable::new(), pairings.into_iter().collect::<Vec<_>>());
         let of = |e: usize| {
             let rule = slave.rules.rule(e);
             slave.trace.space.map(e, &rule.points, Order::Gradients, &mut map);
@@ -66,8 +74,28 @@ impl Coverage {
 }
 
 impl<const S: usize, const N: usize> Model<S, N> {
+    /// The number of a master that is none of the slave side, if there is one: others cover the side, nearer than a half.
+    pub(super) fn master_of_neighbour(&self, slave: &BodySide<S, N>, pairings: &[Pairing<S, N>]) -> Option<usize> {
+        if pairings.len() < 2 {
+            return None;
+        }
+        let distance = |p: &Pairing<S, N>| p.segments.report.distance;
+        let (k, farthest) = pairings.iter().enumerate().max_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))?;
+        let others = || pairings.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, p)| p);
+        let next = others().map(distance).fold(0.0, f64::max);
+        let covered = SlaveCoverage::of(slave, others());
+        if distance(farthest) <= FARTHER * next || !covered.is_whole() {
+            return None;
+        }
+        let explained = sag(&self.patches, slave).greatest() + sag(&self.patches, &farthest.master).greatest();
+        let strip = explained + STRIP * distance(farthest);
+        let boxes = slave.trace.space.all_bounds();
+        let is_strip = boxes.iter().zip(&farthest.segments.report.share).all(|(b, share)| share * b.diagonal() <= strip);
+        is_strip.then_some(k)
+    }
+
     /// Whether facets explain what is uncovered, and what is covered twice, of every element of a slave side.
-    pub(super) fn facets_explain(&self, slave: &BodySide<S, N>, pairings: &[Pairing<S, N>], coverage: &Coverage) -> [bool; 2] {
+    pub(super) fn facets_explain(&self, slave: &BodySide<S, N>, pairings: &[Pairing<S, N>], coverage: &SlaveCoverage) -> [bool; 2] {
         if coverage.is_whole() && coverage.doubled() <= ROUNDING {
             return [true; 2];
         }
@@ -78,7 +106,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let elements = || boxes.iter().map(Bounds::diagonal).zip(coverage.elements.iter().map(|e| e.1));
         [
             coverage.is_whole() || elements().all(|(d, s)| (1.0 - s) * d <= explained),
-            coverage.doubled() <= ROUNDING || elements().all(|(d, s)| (s - 1.0) * d <= explained + gap),
+            coverage.doubled() <= ROUNDING || elements().all(|(d, s)| (s - 1.0) * d <= explained + STRIP * gap),
         ]
     }
 }
@@ -86,7 +114,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
 impl<const S: usize, const N: usize> TiePart<S, N> {
     /// The share of the slave side that is not tied, where it is more than rounding.
     pub(super) fn uncovered(&self) -> Option<f64> {
-        let coverage = Coverage::of(&self.slave, &self.pairings);
+        let coverage = SlaveCoverage::of(&self.slave, &self.pairings);
         (!coverage.is_whole()).then(|| 1.0 - coverage.covered())
     }
 }

@@ -5,10 +5,13 @@ use super::handles::InterfaceId;
 use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing, TiePart};
 use crate::basis::Order;
 use crate::coupling::Segments;
-use crate::geometry::{Geometry, MapTable};
+use crate::geometry::{Bounds, Geometry, MapTable};
 use crate::linalg::{Vector, measure};
 use crate::quadrature::Quadrature;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+/// Sum of the shares of an element that two interfaces cover, above which they have points in common.
+const COMMON: f64 = 1.1;
 
 /// A point of a side: place and outward normal.
 pub(super) type SidePlace<const N: usize> = (Vector<N>, Vector<N>);
@@ -17,8 +20,8 @@ pub(super) type SidePlace<const N: usize> = (Vector<N>, Vector<N>);
 pub(super) struct Footprint<'a, const S: usize, const N: usize> {
     pub side: &'a BodySide<S, N>,
     points: BTreeMap<usize, Vec<SidePlace<N>>>,
-    /// Share of every element that the points stand for.
-    pub share: BTreeMap<usize, f64>,
+    /// Share of every element that the points stand for, and a box around them in its local coordinates.
+    covered: BTreeMap<usize, (f64, Bounds<S>)>,
     /// Elements of the side with points, by the elements of the body that they belong to.
     of_body: HashMap<usize, Vec<usize>>,
 }
@@ -26,14 +29,13 @@ pub(super) struct Footprint<'a, const S: usize, const N: usize> {
 impl<'a, const S: usize, const N: usize> Footprint<'a, S, N> {
     /// The points of lists of segments on the slave or on the master; `own` gives an element's number on `side` if it is one of it.
     fn new<'b>(
-        model: &Model<S, N>,
         side: &'a BodySide<S, N>,
         lists: impl IntoIterator<Item = &'b Segments<S>>,
         is_master: bool,
         own: &dyn Fn(usize) -> Option<usize>,
     ) -> Self {
         let (trace, mut map) = (&side.trace, MapTable::new());
-        let (mut all, mut share) = (BTreeMap::<usize, Vec<SidePlace<N>>>::new(), BTreeMap::<usize, f64>::new());
+        let (mut all, mut covered) = (BTreeMap::<usize, Vec<SidePlace<N>>>::new(), BTreeMap::<usize, (f64, Bounds<S>)>::new());
         for segments in lists {
             let (elements, xi) = if is_master { (&segments.master, &segments.master_xi) } else { (&segments.slave, &segments.slave_xi) };
             for piece in 0..segments.num_pieces() {
@@ -42,17 +44,28 @@ impl<'a, const S: usize, const N: usize> Footprint<'a, S, N> {
                 trace.space.map(element, &xi[points.clone()], Order::Gradients, &mut map);
                 let places = map.x.iter().zip(&map.jacobian).map(|(x, j)| (*x, trace.normal(element, j)));
                 all.entry(element).or_default().extend(places);
-                *share.entry(element).or_default() += map.x.iter().zip(points).map(|(x, q)| segments.ds[q] / model.around(x)).sum::<f64>();
+                let Some(around) = Bounds::around(&xi[points.clone()]) else { continue };
+                let own = covered.entry(element).or_insert((0.0, around));
+                *own = (own.0 + segments.ds[points].iter().sum::<f64>(), own.1.union(&around));
             }
         }
-        for (&element, share) in &mut share {
+        for (&element, (share, _)) in &mut covered {
             let rule = side.rules.rule(element);
             trace.space.map(element, &rule.points, Order::Gradients, &mut map);
             *share /= rule.weights.iter().zip(&map.jacobian).map(|(w, j)| w * measure(j)).sum::<f64>();
         }
         let mut of_body: HashMap<usize, Vec<usize>> = HashMap::new();
         all.keys().for_each(|&e| of_body.entry(trace.facets[e].element).or_default().push(e));
-        Self { side, points: all, share, of_body }
+        Self { side, points: all, covered, of_body }
+    }
+
+    /// Whether both have points in common: they stand for more than an element, and their boxes in it overlap. Shares of a master by the points of
+    /// its slave are not exact, and neither are boxes of parts that are none.
+    pub fn meets(&self, other: &Footprint<'_, S, N>) -> bool {
+        self.facets_of(other.side).any(|[e, f]| {
+            let [Some((a, own)), Some((b, theirs))] = [self.covered.get(&e), other.covered.get(&f)] else { return false };
+            a.min(1.0) + b.min(1.0) > COMMON && own.meets(theirs)
+        })
     }
 
     /// Pairs of elements, of this side and of `other`, that are the same facet.
@@ -62,6 +75,11 @@ impl<'a, const S: usize, const N: usize> Footprint<'a, S, N> {
             let e = self.of_body.get(&facet.element)?.iter().find(|&&e| self.side.trace.facets[e] == *facet)?;
             Some([*e, o])
         })
+    }
+
+    /// The elements that are of `other`, too.
+    pub fn elements_of(&self, other: &BodySide<S, N>) -> BTreeSet<usize> {
+        self.facets_of(other).map(|[e, _]| e).collect()
     }
 
     /// The points that are of `other`, too.
@@ -82,7 +100,13 @@ pub(super) struct Joint<'a, const S: usize, const N: usize> {
     pub by_fluxes: bool,
     /// The slave side, then what it faces; against an obstacle the slave side alone.
     pub sides: Vec<Footprint<'a, S, N>>,
+    /// The elements that face each other: of the slave side, the number of the other side in `sides`, and the element there; none against an
+    /// obstacle.
+    pub pairs: BTreeSet<(usize, usize, usize)>,
 }
+
+/// The footprints of a slave side and what it faces, and which elements face each other.
+type Faced<'a, const S: usize, const N: usize> = (Vec<Footprint<'a, S, N>>, BTreeSet<(usize, usize, usize)>);
 
 impl<const S: usize, const N: usize> Joint<'_, S, N> {
     pub fn is_tie(&self) -> bool {
@@ -94,47 +118,49 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// All ties and contacts, with what obstacles that move face at time `t`.
     pub(super) fn joints_at(&self, t: f64) -> Vec<Joint<'_, S, N>> {
         let ties = self.ties.iter().flat_map(|tie| {
-            tie.parts.iter().enumerate().map(|(number, part)| Joint {
-                id: tie.id.into(),
-                name: &tie.name,
-                number,
-                by_fluxes: part.coupling.needs_fluxes(),
-                sides: self.of_tie(part),
+            tie.parts.iter().enumerate().map(|(number, part)| {
+                let (sides, pairs) = of_tie(part);
+                Joint { id: tie.id.into(), name: &tie.name, number, by_fluxes: part.coupling.needs_fluxes(), sides, pairs }
             })
         });
         let contacts = self.contacts.iter().flat_map(|contact| {
-            contact.parts.iter().map(move |part| Joint {
-                id: contact.id.into(),
-                name: &contact.name,
-                number: part.number,
-                by_fluxes: contact.method.needs().fluxes,
-                sides: self.of_contact(contact, part, t),
+            contact.parts.iter().map(move |part| {
+                let ((sides, pairs), by_fluxes) = (of_contact(contact, part, t), contact.method.needs().fluxes);
+                Joint { id: contact.id.into(), name: &contact.name, number: part.number, by_fluxes, sides, pairs }
             })
         });
         ties.chain(contacts).collect()
     }
+}
 
-    fn of_tie<'a>(&self, part: &'a TiePart<S, N>) -> Vec<Footprint<'a, S, N>> {
-        let slave = Footprint::new(self, &part.slave, part.pairings.iter().map(|pairing| &pairing.segments), false, &Some);
-        let masters = part.pairings.iter().map(|pairing| Footprint::new(self, &pairing.master, [&pairing.segments], true, &Some));
-        std::iter::once(slave).chain(masters).collect()
-    }
+fn of_tie<const S: usize, const N: usize>(part: &TiePart<S, N>) -> Faced<'_, S, N> {
+    let slave = Footprint::new(&part.slave, part.pairings.iter().map(|pairing| &pairing.segments), false, &Some);
+    let masters = part.pairings.iter().map(|pairing| Footprint::new(&pairing.master, [&pairing.segments], true, &Some));
+    let pairs = part.pairings.iter().enumerate().flat_map(|(k, pairing)| {
+        let segments = &pairing.segments;
+        segments.slave.iter().zip(&segments.master).map(move |(&slave, &master)| (slave, k + 1, master))
+    });
+    let pairs = pairs.collect();
+    (std::iter::once(slave).chain(masters).collect(), pairs)
+}
 
-    fn of_contact<'a>(&self, contact: &ContactModel<S, N>, part: &'a ContactPart<S, N>, t: f64) -> Vec<Footprint<'a, S, N>> {
-        let moved = match &part.against {
-            Opposing::Rigid(obstacle, ..) if obstacle.changes => Some(faced(&part.slave, &part.against, contact.reach, t)),
-            _ => None,
-        };
-        let segments = moved.as_ref().unwrap_or(&part.first.segments);
-        let mut sides = vec![Footprint::new(self, &part.slave, [segments], false, &Some)];
-        if let Opposing::Side(..) = part.against {
-            let mut first = 0;
-            for master in &part.masters {
-                let (from, to) = (first, first + master.trace.facets.len());
-                first = to;
-                sides.push(Footprint::new(self, master, [segments], true, &|e| (from..to).contains(&e).then(|| e - from)));
-            }
+fn of_contact<'a, const S: usize, const N: usize>(contact: &ContactModel<S, N>, part: &'a ContactPart<S, N>, t: f64) -> Faced<'a, S, N> {
+    let moved = match &part.against {
+        Opposing::Rigid(obstacle, ..) if obstacle.changes => Some(faced(&part.slave, &part.against, contact.reach, t)),
+        _ => None,
+    };
+    let segments = moved.as_ref().unwrap_or(&part.first.segments);
+    let (mut sides, mut pairs) = (vec![Footprint::new(&part.slave, [segments], false, &Some)], BTreeSet::new());
+    if let Opposing::Side(..) = part.against {
+        let mut first = 0;
+        for master in &part.masters {
+            let (from, to) = (first, first + master.trace.facets.len());
+            first = to;
+            let own = |e: usize| (from..to).contains(&e).then(|| e - from);
+            let faced = segments.slave.iter().zip(&segments.master);
+            pairs.extend(faced.filter_map(|(&slave, &master)| Some((slave, sides.len(), own(master)?))));
+            sides.push(Footprint::new(master, [segments], true, &own));
         }
-        sides
     }
+    (sides, pairs)
 }

@@ -9,7 +9,7 @@ use std::collections::{HashMap, HashSet};
 /// Components of a unit vector below this count as zero.
 const PERPENDICULAR: f64 = 1e-9;
 
-/// Which functions of a body cannot move along the normals at a side of it.
+/// The functions of a body that cannot move along the normals at a side of it.
 pub(super) struct Immobile<'a, const N: usize> {
     /// Whether an unknown (function of the body, component) is prescribed.
     taken: &'a dyn Fn(usize, usize) -> bool,
@@ -17,7 +17,7 @@ pub(super) struct Immobile<'a, const N: usize> {
     slides: Vec<(usize, Vector<N>)>,
     /// Per time, the normal of every function where it is largest at corners of elements.
     corners: Vec<HashMap<usize, Vector<N>>>,
-    /// The same among points inside of elements, too: functions that vanish at corners.
+    /// The same among points inside of elements, for functions that vanish at corners.
     inner: Vec<HashMap<usize, Vector<N>>>,
     is_surface: bool,
 }

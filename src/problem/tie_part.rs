@@ -1,7 +1,7 @@
 //! Construction of a tied slave side: multipliers, segments and rows.
 
 use super::coupled::{Tie, TiePair};
-use super::coverage::Coverage;
+use super::coverage::SlaveCoverage;
 use super::fixed::Eliminated;
 use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
@@ -162,7 +162,13 @@ impl<const S: usize, const N: usize> Model<S, N> {
                 Err(e) => missed = Some(e),
             }
         }
-        let coverage = Coverage::of(slave, &pairings);
+        while let Some(k) = self.master_of_neighbour(slave, &pairings) {
+            if finer.len() == pairings.len() {
+                finer.remove(k);
+            }
+            pairings.remove(k);
+        }
+        let coverage = SlaveCoverage::of(slave, &pairings);
         // a master that is apart is none of this slave where others cover it: the sides of a corner, stated as lists
         let is_none = |e: &CouplingError| match e {
             CouplingError::NothingFaces => true,

@@ -57,6 +57,11 @@ impl<'a, const S: usize, const N: usize, T: Real> Skin<'a, S, N, T> {
 
     /// Measures the distance of `point` on another side; `None` beyond `reach` or the rim of this side, or if the normals do not oppose.
     pub fn sight(&self, point: &SkinPoint<N, T>, reach: T, floor: T, table: &mut MapTable<S, N, T>) -> Option<Sight<T>> {
+        self.seen(point, reach, floor, table).map(|(sight, _)| sight)
+    }
+
+    /// [`sight`](Self::sight) with the point of this side that is seen.
+    fn seen(&self, point: &SkinPoint<N, T>, reach: T, floor: T, table: &mut MapTable<S, N, T>) -> Option<(Sight<T>, SkinPoint<N, T>)> {
         let foot = self.closest.project_within(&point.x, reach)?;
         if foot.rim && foot.distance > floor {
             return None;
@@ -67,8 +72,8 @@ impl<'a, const S: usize, const N: usize, T: Real> Skin<'a, S, N, T> {
             return None;
         }
         let raised = foot.x + normal * self.sag.bulge(foot.element, self.trace.space.cell(foot.element), &foot.xi);
-        let gap = (point.x - raised).dot(&normal);
-        Some(Sight { gap, distance: foot.distance, sag: point.sag.max(self.sag.of_facet(foot.element)) })
+        let (gap, sag) = ((point.x - raised).dot(&normal), self.sag.of_facet(foot.element));
+        Some((Sight { gap, distance: foot.distance, sag: point.sag.max(sag) }, SkinPoint { x: raised, normal, sag }))
     }
 }
 
@@ -182,7 +187,8 @@ impl<T: Real> Sight<T> {
     }
 }
 
-/// Measures the distances of `slave` to the nearest of `masters` and back, at points within `share` times the size of their facets.
+/// Measures the distances of `slave` to the nearest of `masters` and back, at points within `share` times the size of their facets. Points of a
+/// master count where no other master is nearer to what they see of the slave.
 ///
 /// Each side comes with the sag of its facets, zero ([`Sag::none`]) if it counts as exact.
 pub fn clearance<const S: usize, const N: usize, T: Real>(
@@ -195,24 +201,28 @@ pub fn clearance<const S: usize, const N: usize, T: Real>(
     let mut table = MapTable::new();
     let own = Skin::new(slave.0, slave.1);
     let others: Vec<Skin<'_, S, N, T>> = masters.iter().map(|(t, s)| Skin::new(t, s)).collect();
-    let mut look = |from: (&Trace<S, N, T>, &Sag<S, N, T>), at: &[&Skin<'_, S, N, T>]| {
+    let mut look = |from: (&Trace<S, N, T>, &Sag<S, N, T>), at: &[&Skin<'_, S, N, T>], rivals: &[&Skin<'_, S, N, T>]| {
         let boxes = from.0.space.all_bounds();
         for (f, bounds) in boxes.iter().enumerate() {
             let reach = (bounds.diagonal() * share).max(floor);
             let points = raised(from.0, from.1, f, &between_nodes(from.0.space.cell(f)), &mut table);
             let weight = bounds.diagonal().powi(S as i32) / num(points.len());
             for point in &points {
-                let seen = at.iter().filter_map(|skin| skin.sight(point, reach, floor, &mut table));
-                let nearest = seen.reduce(|a, b| if b.gap.abs() < a.gap.abs() { b } else { a });
-                if let Some(sight) = nearest {
+                let seen = at.iter().filter_map(|skin| skin.seen(point, reach, floor, &mut table));
+                let nearest = seen.reduce(|a, b| if b.0.gap.abs() < a.0.gap.abs() { b } else { a });
+                let Some((sight, foot)) = nearest else { continue };
+                let own = sight.gap.abs();
+                let nearer = |rival: &&Skin<'_, S, N, T>| rival.sight(&foot, own, floor, &mut table).is_some_and(|s| s.gap.abs() < own);
+                if own <= floor || !rivals.iter().any(nearer) {
                     all.see(&sight, weight, floor);
                 }
             }
         }
     };
-    look(slave, &others.iter().collect::<Vec<_>>());
-    for master in masters {
-        look(*master, &[&own]);
+    look(slave, &others.iter().collect::<Vec<_>>(), &[]);
+    for (k, master) in masters.iter().enumerate() {
+        let rivals: Vec<_> = others.iter().enumerate().filter(|(other, _)| *other != k).map(|(_, skin)| skin).collect();
+        look(*master, &[&own], &rivals);
     }
     all
 }

@@ -1,8 +1,8 @@
 //! Whether the functions of a multiplier jump or kink between the elements of the slave side, inside of the elements of what it faces.
 //!
-//! Values and gradients along the surface are compared on both sides of the middle of every edge that two elements have in common (of curves:
-//! of every end). A function jumps or kinks there if they differ by more than half of what they are together; gradients of Lagrange functions
-//! do, by all of it, those of smooth splines do not, on curved facets up to what these turn. Edges that lie on borders of the master's elements
+//! Values, and gradients along the surface and across the edge, are compared on both sides of the middle of every edge that two elements have
+//! in common (of curves: of every end). A function jumps or kinks there if they differ by more than half of what they are together; gradients of
+//! Lagrange functions do, by all of it, those of smooth splines do not, on curved facets up to what these turn. Edges that lie on borders of the master's elements
 //! do no harm to sums over these; each is looked at in three places.
 
 use crate::basis::{Basis, Cell, Order, ShapeTable};
@@ -30,7 +30,7 @@ pub(super) struct Breaks {
     pub inside: f64,
 }
 
-/// A function at a point: value, and gradient along the surface.
+/// A function at a point of an edge: value, and gradient along the surface across the edge.
 type Values<const N: usize> = BTreeMap<usize, (f64, Vector<N>)>;
 
 /// Ends of the edges of a cell; of an interval, each end twice.
@@ -59,8 +59,11 @@ pub(super) fn breaks<const S: usize, const N: usize>(space: &dyn Space<S, N>, ps
             // J (Jᵀ J)^-1 takes a gradient to that along the surface
             let jacobian = &map.jacobian[q];
             let Some(inverse) = inverse(&Matrix::<S, S>::from_fn(|i, j| jacobian.column(i).dot(&jacobian.column(j)))) else { continue };
+            // of a curve there is no direction along the edge
+            let along = (jacobian * (edges[q][1] - edges[q][0])).try_normalize(0.0).unwrap_or_else(Vector::zeros);
+            let across = |g: Vector<N>| g - along * along.dot(&g);
             let functions = ids.iter().zip(table.values(q)).zip(table.grads(q));
-            let own: Values<N> = functions.map(|((&j, &v), g)| (j, (v, jacobian * (inverse * g)))).collect();
+            let own: Values<N> = functions.map(|((&j, &v), g)| (j, (v, across(jacobian * (inverse * g))))).collect();
             let key = std::array::from_fn(|k| (x[k] / size).round() as i64);
             let Some(other) = seen.remove(&key) else {
                 seen.insert(key, own);

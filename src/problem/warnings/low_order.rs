@@ -18,7 +18,7 @@
 //! min(k + 1, p)
 //! ```
 //!
-//! for functions that hold polynomials of degree k, p the degree of the side: 1 of constants and of dual functions of splines, p of the functions
+//! for functions that hold polynomials of degree k, p the least degree of both sides: 1 of constants and of dual functions of splines, p of the functions
 //! of Lagrange elements themselves. Grids differ; it is reached where masters have twice the size.
 
 use super::kinks::{Breaks, breaks};
@@ -82,17 +82,14 @@ fn mixed<const S: usize, const N: usize>(
     let space = &*slave.trace.space;
     let degree = least_degree::<S, f64>(space);
     let own = (0..psi.num_elements()).flat_map(|e| psi.degree(e)).max()?;
-    // of degree 1 the order falls by one at most where the estimate of consistency tells of it
-    if degree == 1 {
-        return None;
-    }
     let Breaks { broken, inside } = breaks(space, psi, masters);
     let held = match is_dual {
         false => own,
         true if dual_holds_linear(space) => degree - 1,
         true => 0,
     };
-    let order = degree.min(held + 1);
+    let least = masters.iter().map(|m| least_degree::<S, f64>(&*m.trace.space)).fold(degree, usize::min);
+    let order = least.min(held + 1);
     (broken > MOST && inside > INSIDE * broken).then(|| Warning::MixedMultiplier {
         of,
         slave: slave.label.clone(),

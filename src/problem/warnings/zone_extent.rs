@@ -127,7 +127,7 @@ impl<const N: usize> ZoneExtent<N> {
     /// face the opponent whether they are closed.
     pub(super) fn add<const S: usize>(&mut self, part: &ContactPart<S, N>, rows: &ContactRows<S, N>, states: &[Option<bool>]) {
         let space = &*part.slave.trace.space;
-        let psi = part.multiplier.as_deref().filter(|_| rows.row_of_points().is_none());
+        let psi = part.read_through().filter(|_| rows.row_of_points().is_none());
         let none = || Function { weight: 0.0, first: Vector::zeros(), second: DMatrix::zeros(N, N), degree: 0.0 };
         let mut functions: Vec<Function<N>> = states.iter().map(|_| none()).collect();
         let (mut ids, mut table, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());

@@ -136,7 +136,7 @@ pub const QUANTITIES: &[QuantityRow] = &[
     ),
     row(
         "contact.NAME.pressure",
-        "pressure at a point of the slave side, positive in compression; .pressure.min and .pressure.max are extremes",
+        "pressure at a point of the slave side, positive in compression; .pressure.min and .pressure.max are extremes at the points of integration",
         "force/area",
         "contact.pad.pressure.max",
     ),
@@ -150,7 +150,7 @@ pub const QUANTITIES: &[QuantityRow] = &[
     row("contact.NAME.area", "measure of the zone, integrated on segments: a length, in space an area", "length", "contact.pad.area"),
     row(
         "contact.NAME.half_width",
-        "half the extent of the zone along the slave, in the plane (all of it with symmetry = true, and where it ends on the axis of revolution); null with a reason where the pressure near its end does not allow it, or where it ends at an end of the side that does not move along it",
+        "half the extent of the zone along the slave, in the plane (all of it with symmetry = true, and where it ends on the axis of revolution); null with a reason where the pressure near its end does not allow it, or where it ends at an end of the side that does not move along it and not at a corner at its other end, too",
         "length",
         "contact.pad.half_width",
     ),

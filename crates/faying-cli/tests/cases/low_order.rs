@@ -125,6 +125,8 @@ fn mixed_integration_has_the_order_that_is_told() {
         ("iga", 3, "p/p-2", 2),
         ("fe", 3, "p/p-2", 2),
         ("fe", 4, "p/p-2", 3),
+        ("fe", 1, "p/p", 1),
+        ("fe", 1, "dual", 1),
     ] {
         let of = |rule: &str, refine: usize| seam_of([8, 4], backend, degree, multiplier, rule, refine);
         let warning = told(&of("mixed", 0), "E065", MIXED).cloned().unwrap_or_else(|| panic!("{backend} {degree} {multiplier}"));
@@ -133,6 +135,40 @@ fn mixed_integration_has_the_order_that_is_told() {
         let [mixed, merged] = ["mixed", "merged"].map(|rule| order(&|refine| of(rule, refine), "error.u.L2", from));
         println!("{backend} {degree} {multiplier}: {mixed} {merged}");
         assert!((mixed - known as f64).abs() < 0.3 && merged > mixed + 0.7, "{backend} {degree} {multiplier}: {mixed} {merged}");
+    }
+}
+
+/// In space, on cubes and tetrahedra, and with a master of a lower degree than the slave.
+#[test]
+fn mixed_integration_in_space_and_of_masters_of_low_degree_is_told() {
+    for (slave, master, multiplier, known) in [
+        ("backend = \"iga\"\ndegree = 3", "backend = \"iga\"\ndegree = 3", "auto", Some(2)),
+        ("backend = \"iga\"\ndegree = 3", "backend = \"iga\"\ndegree = 3", "p/p", None),
+        ("backend = \"iga\"\ndegree = 2", "backend = \"fe\"\ndegree = 1", "p/p", None),
+        ("backend = \"iga\"\ndegree = 2", "backend = \"iga\"\ndegree = 2", "dual", Some(1)),
+        ("backend = \"fe\"\ndegree = 2", "backend = \"fe\"\ndegree = 2", "p/p", Some(2)),
+        ("backend = \"fe\"\ndegree = 3", "backend = \"fe\"\ndegree = 1", "p/p", Some(1)),
+        ("backend = \"fe\"\ncells = \"simplex\"\ndegree = 1", "backend = \"fe\"\ndegree = 1", "p/p", Some(1)),
+    ] {
+        let block = |name: &str, z: f64, n: usize, cells: &str| {
+            format!(
+                "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = [0, 0, {z}], max = [1, 1, {}] }}\nelements = [{n}, {n}, 1]\n{cells}\n",
+                z + 1.0
+            )
+        };
+        let text = "[model]\nphysics = \"poisson\"\ndimension = 3\nexact = { u = \"sin(2*x)*cos(2*z)*cos(y)\" }\n[[material]]\nname = \"m\"\nconductivity = 1\n".to_owned()
+            + &block("a", 0.0, 3, master)
+            + &block("b", 1.0, 4, slave)
+            + &format!(
+                "[[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n[[interface]]\nname = \"seam\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n\
+                 multiplier = \"{multiplier}\"\nintegration = \"mixed\"\n"
+            );
+        let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let order = told(&result, "E065", MIXED).map(|w| w.message.clone());
+        let wanted = known.map(|known| format!("errors of u may fall with order {known} only"));
+        assert_eq!(order.is_some(), wanted.is_some(), "{slave} {master} {multiplier}: {order:?}");
+        assert!(order.zip(wanted).is_none_or(|(order, wanted)| order.ends_with(&wanted)), "{slave} {master} {multiplier}");
     }
 }
 

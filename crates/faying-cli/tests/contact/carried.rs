@@ -151,3 +151,79 @@ fn sides_that_are_held_alike_do_no_harm() {
         }
     }
 }
+
+/// Two blocks beside each other on a third, `joints` for their names, pressed together; the second begins at `begin` of a width of two.
+fn pair_on_one(kind: &str, scale: f64, begin: f64, [first, second]: [&str; 2], elements: [usize; 3]) -> Result<RunResult, String> {
+    let space = kind == "space";
+    let point = |x: f64, z: f64, y: f64| if space { format!("[{x}, {y}, {z}]") } else { format!("[{x}, {z}]") };
+    let block = |name: &str, [from, to]: [f64; 2], z: f64, n: usize| {
+        let [min, max] = [(from, z, 0.0), (to, z + 1.0, 1.0)].map(|(x, z, y)| point(scale * x, scale * z, scale * y));
+        let n = if space { vec![n, 2, 2] } else { vec![n, 2] };
+        format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = {min}, max = {max} }}\nelements = {n:?}\n")
+    };
+    let assumption = if kind == "axisymmetric" { "assumption = \"axisymmetric\"\n" } else { "" };
+    let text = format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = {}\n{assumption}[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.0\n",
+        if space { 3 } else { 2 }
+    ) + &block("a", [0.0, 2.0], 0.0, elements[0])
+        + &block("b", [0.0, 1.0], 1.0, elements[1])
+        + &block("c", [begin, 2.0], 1.0, elements[2])
+        + &format!(
+            "[[boundary]]\non = \"a.bottom\"\nfix = [\"x\", \"AXIS\"{}]\n[[boundary]]\non = [\"b.top\", \"c.top\"]\npressure = 0.001\n{first}\n{second}\n\
+             [[probe]]\nname = \"p\"\nquantity = \"stress.AXISAXIS.max\"\n[[probe]]\nname = \"q\"\nquantity = \"stress.AXISAXIS.min\"\n",
+            if space { ", \"y\"" } else { "" }
+        );
+    read(&text.replace("AXIS", if space { "z" } else { "y" }), &[]).run(&Registry::default()).map_err(|e| e.to_string())
+}
+
+/// What two interfaces have in common does not depend on the unit of length, on the axis of revolution, or on the points of the integration.
+#[test]
+fn interfaces_beside_each_other_are_allowed_in_any_unit() {
+    for kind in ["plane", "axisymmetric", "space"] {
+        for scale in [1e-3, 1.0, 1e3] {
+            for rule in ["merged", "slave"] {
+                let tie = |name: &str, coupling: &str| {
+                    format!(
+                        "[[interface]]\nname = \"{name}\"\nslave = \"{name}.bottom\"\nmaster = \"a.top\"\ncoupling = \"{coupling}\"\nintegration = \"{rule}\""
+                    )
+                };
+                for second in ["nitsche", "mortar"] {
+                    let what = format!("{kind} {scale} {rule} {second}");
+                    let solve = |begin: f64, elements| pair_on_one(kind, scale, begin, [&tie("b", "nitsche"), &tie("c", second)], elements);
+                    // also where the border lies within an element of the master
+                    for elements in [[4, 3, 2], [5, 3, 2]] {
+                        let found = solve(1.0, elements).unwrap_or_else(|e| panic!("{what} {elements:?}: {e}"));
+                        let allowed = if rule == "merged" { 1e-9 } else { 0.3 };
+                        for name in ["p", "q"] {
+                            assert!((probe(&found, name) / -0.001 - 1.0).abs() < allowed, "{what} {elements:?}: {}", probe(&found, name));
+                        }
+                    }
+                    let told = solve(0.5, [4, 3, 3]).expect_err(&what);
+                    assert!(told.starts_with("error[E019]") && told.contains("in the same points"), "{what}: {told}");
+                }
+            }
+        }
+    }
+}
+
+/// Both sides are held, each where the other one is free: the stress beside a support is not that of the interface.
+#[test]
+fn sides_that_are_held_in_different_points_are_refused() {
+    for dimension in [2, 3] {
+        for (table, joint, other) in JOINTS {
+            let rest = |a: &str, b: &str| {
+                format!(
+                    "[[boundary]]\non = \"a.top\"\nwhere = \"{a}\"\nfix = [\"AXIS\"]\n[[boundary]]\non = \"b.bottom\"\nwhere = \"{b}\"\nfix = [\"AXIS\"]\n"
+                )
+            };
+            for (a, b) in [("x > 0.5", "x < 0.5"), ("x >= 0", "x < 0.5"), ("x > 0.5", "x >= 0")] {
+                let told = column(dimension, &joint.replace("KIND", "nitsche"), &rest(a, b));
+                let told = told.map(|r| r.status).expect_err(&format!("{dimension} {table} {a} {b}"));
+                assert!(told.contains("error[E019]") && told.contains("but the side is held"), "{dimension} {table} {a} {b}: {told}");
+                // a slave that is held everywhere has no multiplier
+                let allowed = column(dimension, &joint.replace("KIND", other), &rest(a, b));
+                assert!(allowed.is_ok() || a == "x >= 0" || b == "x >= 0", "{dimension} {table} {a} {b}");
+            }
+        }
+    }
+}

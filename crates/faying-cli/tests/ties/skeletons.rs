@@ -219,6 +219,84 @@ fn a_slave_that_two_masters_cover_is_refused() {
     }
 }
 
+/// Across a gap, two masters that meet at an angle cover a strip of the slave beside it twice, of the width of the gap: no fault of the model.
+#[test]
+fn a_bend_across_a_gap_is_not_refused() {
+    for cells in ["backend = \"iga\"\ndegree = 2", "backend = \"fe\"\ndegree = 1", "backend = \"fe\"\ncells = \"simplex\"\ndegree = 1"] {
+        for degrees in [20.0, 35.0, 45.0, 60.0, 80.0f64] {
+            let (angle, gap, thick) = (degrees.to_radians(), 0.01, 0.25);
+            // a point `off` the master's surface, before the bend, at it, and behind it
+            let at = |along: f64, off: f64| {
+                let shift = off * (0.5 * angle).tan();
+                match along {
+                    0.0 => [-shift, off],
+                    a if a < 0.0 => [a, off],
+                    a => [-shift + (a - shift) * angle.cos(), off + (a - shift) * angle.sin()],
+                }
+            };
+            let block = |name: &str, [from, to]: [f64; 2], [low, high]: [f64; 2], n: usize, cells: &str| {
+                format!(
+                    "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"nurbs\", degree = [1, 1], knots = [[0, 0, 1, 1], [0, 0, 1, 1]], \
+                     points = [{:?}, {:?}, {:?}, {:?}], extrude = 0.5 }}\nelements = [{n}, 2, 2]\n{cells}\n",
+                    at(from, low),
+                    at(to, low),
+                    at(from, high),
+                    at(to, high)
+                )
+            };
+            let tie = |slave: &str, masters: &str, keys: &str| format!("[[interface]]\nslave = \"{slave}\"\nmaster = {masters}\n{keys}\n");
+            let text =
+                "[model]\nphysics = \"poisson\"\ndimension = 3\nexact = { u = \"2.0\" }\n[[material]]\nname = \"m\"\nconductivity = 1\n"
+                    .to_owned()
+                    + &block("a0", [-1.0, 0.0], [-thick, 0.0], 3, "")
+                    + &block("a1", [0.0, 1.0], [-thick, 0.0], 3, "")
+                    + &block("b0", [-1.0, 0.0], [gap, thick], 4, cells)
+                    + &block("b1", [0.0, 1.0], [gap, thick], 4, cells)
+                    + &tie("a0.u1", "\"a1.u0\"", "")
+                    + &tie("b0.u1", "\"b1.u0\"", "")
+                    + &tie("b0.v0", "[\"a0.v1\", \"a1.v1\"]", "tolerance = 0.02")
+                    + &tie("b1.v0", "[\"a0.v1\", \"a1.v1\"]", "tolerance = 0.02")
+                    + "[[boundary]]\non = [\"a0.v0\", \"a1.v0\", \"b0.v1\", \"b1.v1\"]\ndirichlet = \"exact\"\n";
+            let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{cells} {degrees}: {e}"));
+            let error = *result.errors.get("error.u.L2").unwrap();
+            assert!(error < 1e-12, "{cells} {degrees}: {error:e}");
+        }
+    }
+}
+
+/// Rows of arcs with a step in the radius of what lies behind them, in one list: sides that coincide are not measured against a neighbour's.
+#[test]
+fn lists_of_arcs_with_a_step_measure_each_side_against_its_own_partner() {
+    for all in ["backend = \"iga\"\ndegree = 2", "backend = \"fe\"\ndegree = 1"] {
+        let arc = |name: &str, radius: [f64; 2], angle: [u32; 2], n: usize, cells: &str| {
+            format!(
+                "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"annulus-sector\", radius = {radius:?}, angle_deg = {angle:?} }}\nelements = [{n}, 3]\n{cells}\n"
+            )
+        };
+        let head =
+            "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = { u = \"x + 0.3*y\" }\n[[material]]\nname = \"m\"\nconductivity = 1\n";
+        let bodies = arc("b1", [0.6, 0.84], [0, 90], 6, all)
+            + &arc("b2", [0.84, 1.2], [0, 90], 7, all)
+            + &arc("b3", [0.6, 0.78], [90, 180], 5, if all.contains("iga") { "backend = \"fe\"\ndegree = 2" } else { all })
+            + &arc("b4", [0.78, 1.2], [90, 180], 4, all);
+        let list = "[[interface]]\nname = \"i\"\nslave = [\"b1.v1\", \"b1.u1\", \"b2.u1\", \"b3.v1\"]\nmaster = [\"b2.v0\", \"b3.u0\", \"b4.u0\", \"b4.v0\"]\n";
+        let own = "[[interface]]\nslave = \"b1.v1\"\nmaster = \"b2.v0\"\n[[interface]]\nslave = [\"b1.u1\", \"b2.u1\"]\nmaster = [\"b3.u0\", \"b4.u0\"]\n\
+                   [[interface]]\nslave = \"b3.v1\"\nmaster = \"b4.v0\"\n";
+        let solve = |ties: &str| {
+            let text = format!(
+                "{head}{bodies}{ties}[[boundary]]\non = \"all-outer\"\ndirichlet = \"exact\"\n[[probe]]\nname = \"e\"\nquantity = \"energy\"\n"
+            );
+            let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"))
+        };
+        let (one, three) = (solve(list), solve(own));
+        assert!(one.warnings.iter().all(|w| w.code != "E023"), "{all}: {:?}", one.warnings);
+        let [a, b] = [&one, &three].map(|result| result.probes[0].value);
+        assert!((a / b - 1.0).abs() < 1e-9, "{all}: {a} {b}");
+    }
+}
+
 // Half rings on rational maps carry x; integrals of rational functions need the extra points.
 #[test]
 fn linear_fields_pass_two_interfaces_between_the_same_two_patches() {
