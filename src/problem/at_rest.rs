@@ -1,8 +1,7 @@
 //! Force-driven obstacles: their unknowns in the system, and the iteration for their position of equilibrium.
 //!
 //! The rows of a contact depend on the position of its obstacle, which the solution changes. The contact is built again in the new position
-//! until neither rows nor gaps change: Newton's method, which may hop between places where points come within reach. The middle of two of them
-//! is taken now and then. The rows of half-planes do not depend on the position: they are solved once.
+//! until neither rows nor gaps change. The rows of half-planes do not depend on it: they are solved once.
 
 use super::matrices::Matrices;
 use super::model::{ContactModel, Model};
@@ -16,8 +15,6 @@ use crate::linalg::{Csr, Triplets, Vector};
 
 /// Largest number of positions at which a contact is built.
 const MOST_PLACES: usize = 40;
-/// Number of steps of Newton's method after which the next place is the middle of the last two.
-const HALVED: usize = 8;
 /// Relative change of rows and gaps below which the position is the same.
 const SAME_PLACE: f64 = 1e-12;
 /// Round-off of gaps, which are differences of coordinates, as a fraction of the model's size.
@@ -64,15 +61,10 @@ pub(super) fn at_rest<const S: usize, const N: usize>(
     if !model.has_pressed() {
         return Ok(state);
     }
-    let mut last = state.u.clone();
-    for step in 1..=MOST_PLACES {
-        let mut place = state.u.clone();
-        if step % HALVED == 0 {
-            place.iter_mut().zip(&last).for_each(|(new, old)| *new = 0.5 * (*new + old));
-        }
+    for _ in 0..MOST_PLACES {
         let mut there = Vec::with_capacity(model.contacts.len());
         for contact in &model.contacts {
-            let parts = contact.parts.iter().map(|part| contact.at_place(model, part, t, Some(&place)));
+            let parts = contact.parts.iter().map(|part| contact.at_place(model, part, t, Some(&state.u)));
             there.push(parts.collect::<Result<Vec<_>, _>>()?);
         }
         let moved = state.u.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
@@ -82,8 +74,7 @@ pub(super) fn at_rest<const S: usize, const N: usize>(
             state.contacts = there;
             return Ok(state);
         }
-        let mut next = once(model, matrices, solver, t, Some(&state), Some(&place), observer)?;
-        last = place;
+        let mut next = once(model, matrices, solver, t, Some(&state), Some(&state.u), observer)?;
         // one history over all places
         if let (Some(known), Some(new)) = (state.active_set.take(), &mut next.active_set) {
             *new = together(known, new);

@@ -191,7 +191,7 @@ fn unsettled<const S: usize, const N: usize>(
             (Status::NotConverged, "iterations", Diagnostic::error("E074", error.to_string()).at(&case.source, key).with_help(help))
         }
         StepError::Obstacle { .. } => {
-            let help = "start it near the body (geometry or earlier steps), or prescribe its motion by `move`";
+            let help = "give the side smaller elements where it touches (a few across the zone), start it near the body, or prescribe its motion by `move`";
             (Status::NotConverged, "obstacle", at(Diagnostic::error("E071", error.to_string())).with_help(help))
         }
         _ => return None,

@@ -210,11 +210,39 @@ fn a_slave_that_two_masters_cover_is_refused() {
         assert!(solve([1.0, 2.0], 1.0).is_ok(), "{what}");
         for (ends, begin, word) in [
             ([1.0, 1.0], 0.0, "only 50 % of the slave side `b.bottom` meets `a.top`, `c.top`"),
-            ([1.2, 2.0], 1.0, "10 % of the slave side `b.bottom` meets two of `a.top`, `c.top`"),
+            ([1.5, 2.0], 1.0, "25 % of the slave side `b.bottom` meets two of `a.top`, `c.top`"),
             ([2.0, 2.0], 0.0, "100 % of the slave side `b.bottom` meets two of `a.top`, `c.top`"),
         ] {
             let told = solve(ends, begin).expect_err(&what);
             assert!(told.starts_with("error[E025]") && told.contains(word), "{what}: {told}");
+        }
+    }
+}
+
+/// The border of two masters runs through elements of the slave, and through a column of its Gauss points that lie on edges of triangles, too.
+#[test]
+fn masters_beside_each_other_may_meet_in_points_of_the_slave() {
+    for cells in ["", "backend = \"fe\"\ncells = \"simplex\"\n"] {
+        for integration in ["merged", "slave", "mixed"] {
+            let block = |name: &str, [from, to]: [f64; 2], z: f64, n: [usize; 3], cells: &str| {
+                format!(
+                    "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = [0, {from}, {z}], max = [1, {to}, {}] }}\nelements = {n:?}\n{cells}",
+                    z + 1.0
+                )
+            };
+            let text = "[model]\nphysics = \"poisson\"\ndimension = 3\nexact = { u = \"x + 0.3*y - z\" }\n[[material]]\nname = \"m\"\nconductivity = 1\n".to_owned()
+                + &block("a", [0.0, 0.7], 0.0, [2, 2, 1], cells)
+                + &block("b", [0.7, 1.0], 0.0, [2, 1, 1], "")
+                + &block("c", [0.0, 1.0], 1.0, [5, 5, 1], "")
+                + "[[boundary]]\non = [\"a.bottom\", \"b.bottom\", \"c.top\"]\ndirichlet = \"exact\"\n\
+                   [[boundary]]\non = [\"a.left\", \"b.left\", \"c.left\", \"a.right\", \"b.right\", \"c.right\"]\nneumann = \"exact\"\n\
+                   [[boundary]]\non = [\"a.front\", \"c.front\", \"b.back\", \"c.back\"]\nneumann = \"exact\"\n\
+                   [[interface]]\nslave = \"b.front\"\nmaster = \"a.back\"\n"
+                + &format!("[[interface]]\nslave = \"c.bottom\"\nmaster = [\"a.top\", \"b.top\"]\nintegration = \"{integration}\"\n");
+            let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{cells} {integration}: {e}"));
+            let error = *result.errors.get("error.u.L2").unwrap();
+            assert!(integration == "slave" || error < 1e-9, "{cells} {integration}: {error:e}");
         }
     }
 }

@@ -182,7 +182,8 @@ fn of_body(warning: &Warning, name: &str) -> Option<(String, &'static str)> {
                 false => String::new(),
             };
             let text = format!(
-                "rounding is not small: the condition number {} of the system lets the solution be wrong by up to {} %{why}",
+                "rounding is not small: the condition number {} of the system lets the displacements be wrong by up to {} %, stresses \
+                 of stiff or thin bodies by more{why}",
                 short(*condition),
                 percent(error.min(1.0))
             );
