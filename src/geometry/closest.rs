@@ -7,6 +7,7 @@
 use super::best_point::Best;
 use super::feasible_step::{feasible_step, into_cell};
 use super::opposed::Facing;
+use super::rim_corners::RimCorners;
 use super::{Bounds, Geometry, MapTable, Tree, cell};
 use crate::basis::{Cell, Order, ScratchSlot};
 use crate::linalg::{Matrix, Real, Vector, lit, num};
@@ -69,6 +70,8 @@ pub struct ClosestPoint<const D: usize, const N: usize, G, T: Real = f64> {
     size: T,
     /// Per element and face of its cell: whether no other element has that face; found when it is first asked for.
     loose: OnceLock<Vec<Vec<bool>>>,
+    /// Corners of these faces, found when they are first asked for.
+    corners: OnceLock<RimCorners<D, N, T>>,
     /// Per element of a curve: bounds of |x''| and |x'''|.
     bend: Vec<[T; 2]>,
     /// Ends of the pieces of every element of a curve, evaluated once for all queries.
@@ -127,7 +130,7 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
         })
         .into_iter()
         .unzip();
-        Self { geometry, tree, size, loose: OnceLock::new(), bend, nodes, facing: OnceLock::new() }
+        Self { geometry, tree, size, loose: OnceLock::new(), corners: OnceLock::new(), bend, nodes, facing: OnceLock::new() }
     }
 
     /// The map.
@@ -243,15 +246,21 @@ impl<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T>> ClosestPoint
             Cell::Simplex if f < D => best.xi[f].abs() <= tiny,
             Cell::Simplex => (best.xi.sum() - T::one()).abs() <= tiny,
         };
+        let away = p - best.x;
+        let allowed = self.size * lit(BEYOND);
         if !(0..faces.len()).any(|f| at(f) && self.loose()[best.element].get(f).copied().unwrap_or(false)) {
-            return false;
+            // an element may touch the rim in a corner alone
+            let is_corner = D == 2 && (0..faces.len()).filter(|&f| at(f)).count() == 2;
+            let corners = || self.corners.get_or_init(|| RimCorners::of(&self.geometry, self.loose()));
+            return is_corner
+                && away.norm() > allowed
+                && corners().beyond(&self.geometry, &best.x, &away, [self.size * lit(SAME_FACE), allowed]);
         }
         self.geometry.map(best.element, &[best.xi], Order::Gradients, table);
-        let away = p - best.x;
         (0..D).any(|k| {
             let t = table.jacobian[0].column(k);
             let length = t.norm();
-            length > T::zero() && (away.dot(&t) / length).abs() > self.size * lit(BEYOND)
+            length > T::zero() && (away.dot(&t) / length).abs() > allowed
         })
     }
 

@@ -20,6 +20,7 @@ mod net_moves;
 mod opposed;
 mod oriented;
 mod revolution;
+mod rim_corners;
 mod sag;
 mod sampler;
 pub mod shapes;

@@ -30,8 +30,6 @@ use crate::quadrature::Quadrature;
 /// Largest share of a slave side that may be uncovered, or covered twice.
 const ROUNDING: f64 = 1e-6;
 
-/// Largest share of an element that the points of one column of a Gauss rule have, of two points, and rounding.
-const COLUMN: f64 = 0.501;
 /// Distance over that of all others from which on a master may be that of a neighbour.
 const FARTHER: f64 = 2.0;
 /// Width over gap, and diameter over width, of a strip that two masters cover where they meet at an angle, together.
@@ -97,14 +95,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 
     /// Whether facets explain what is uncovered, and what is covered twice, of every element of a slave side.
-    ///
-    /// Where pieces of the integration do not end with the masters, points on the border of two masters are of both.
-    pub(super) fn facets_explain(
-        &self,
-        slave: &BodySide<S, N>,
-        pairings: &[Pairing<S, N>],
-        (coverage, is_merged): (&SlaveCoverage, bool),
-    ) -> [bool; 2] {
+    pub(super) fn facets_explain(&self, slave: &BodySide<S, N>, pairings: &[Pairing<S, N>], coverage: &SlaveCoverage) -> [bool; 2] {
         if coverage.is_whole() && coverage.doubled() <= ROUNDING {
             return [true; 2];
         }
@@ -115,8 +106,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let elements = || boxes.iter().map(Bounds::diagonal).zip(coverage.elements.iter().map(|e| e.1));
         [
             coverage.is_whole() || elements().all(|(d, s)| (1.0 - s) * d <= explained),
-            coverage.doubled() <= ROUNDING
-                || elements().all(|(d, s)| (s - 1.0) * d <= explained + STRIP * gap || !is_merged && s - 1.0 <= COLUMN),
+            coverage.doubled() <= ROUNDING || elements().all(|(d, s)| (s - 1.0) * d <= explained + STRIP * gap),
         ]
     }
 }

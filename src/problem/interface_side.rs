@@ -66,11 +66,6 @@ where
         }
     }
 
-    /// Whether its pieces end where those of the master end.
-    pub(super) fn is_merged(&self) -> bool {
-        matches!(self, Self::Kind(Integration::Merged))
-    }
-
     pub(super) fn is_mixed(&self) -> bool {
         matches!(self, Self::Kind(Integration::Mixed))
     }

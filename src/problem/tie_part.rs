@@ -178,7 +178,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         if let Some(error) = missed.filter(|e| pairings.is_empty() || !is_none(e)) {
             return Err(InterfaceError::Apart(error));
         }
-        match self.facets_explain(slave, &pairings, (&coverage, tie.rule.is_merged())) {
+        match self.facets_explain(slave, &pairings, &coverage) {
             [false, _] => Err(InterfaceError::Uncovered { share: coverage.covered() }),
             [_, false] => Err(InterfaceError::Doubled { share: coverage.doubled() }),
             _ => Ok((pairings, finer)),

@@ -2,11 +2,13 @@
 
 use crate::common::{Patch, Shape};
 use crate::gaps::lifted;
-use faying::basis::{Elements, Order};
+use faying::basis::{Cell, Elements, Order};
 use faying::coupling::interface::{MergedSurface, SlaveSurface, Tolerance};
 use faying::coupling::{InterfaceQuadrature, Segments};
-use faying::geometry::{Geometry, MapTable};
+use faying::geometry::shapes::brick;
+use faying::geometry::{ClosestPoint, Geometry, MapTable};
 use faying::linalg::Vector;
+use faying::space::{Body, Mesh, PatchSpec};
 
 fn places(patch: &Patch, element: usize, xi: &[Vector<2>]) -> Vec<Vector<3>> {
     let mut table = MapTable::new();
@@ -127,4 +129,20 @@ fn the_slave_rule_has_the_same_bits_at_any_number_of_threads() {
         pool.install(|| SlaveSurface::facing(3, None).segments(&slave, &master).unwrap())
     };
     assert!(of(2) == of(1));
+}
+
+/// Points beyond the rim of a side of triangles, also where the closest one is a vertex of a triangle that has no edge on the rim.
+#[test]
+fn all_points_beyond_a_rim_of_triangles_are_known() {
+    let spec = PatchSpec::new(brick([0.0; 3], [1.0, 0.7, 1.0]).unwrap()).with_elements([2, 2, 1]).with_cells(Cell::Simplex);
+    let side = Mesh::from_patch(&spec).unwrap().trace("w1").unwrap();
+    let closest = ClosestPoint::<2, 3, _>::new(&*side.space);
+    let line = [-0.2, 0.0, 0.1, 0.25, 0.5, 0.7, 1.0, 1.1];
+    for (x, y) in line.iter().flat_map(|&x| [-0.1, 0.0, 0.35, 0.5, 0.7, 0.9].map(|y| (x, y))) {
+        for z in [1.0, 1.1, 0.8] {
+            let foot = closest.project(&Vector::<3>::new(x, y, z)).unwrap();
+            let beyond = !(0.0..=1.0).contains(&x) || !(0.0..=0.7).contains(&y);
+            assert_eq!(foot.rim, beyond, "{x} {y} {z}: {foot:?}");
+        }
+    }
 }

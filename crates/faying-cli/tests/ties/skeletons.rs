@@ -210,7 +210,7 @@ fn a_slave_that_two_masters_cover_is_refused() {
         assert!(solve([1.0, 2.0], 1.0).is_ok(), "{what}");
         for (ends, begin, word) in [
             ([1.0, 1.0], 0.0, "only 50 % of the slave side `b.bottom` meets `a.top`, `c.top`"),
-            ([1.5, 2.0], 1.0, "25 % of the slave side `b.bottom` meets two of `a.top`, `c.top`"),
+            ([1.2, 2.0], 1.0, "10 % of the slave side `b.bottom` meets two of `a.top`, `c.top`"),
             ([2.0, 2.0], 0.0, "100 % of the slave side `b.bottom` meets two of `a.top`, `c.top`"),
         ] {
             let told = solve(ends, begin).expect_err(&what);
