@@ -22,7 +22,7 @@ pub(super) struct RimCorners<const D: usize, const N: usize, T: Real> {
 }
 
 impl<const D: usize, const N: usize, T: Real> RimCorners<D, N, T> {
-    /// Those of `loose` faces, per element and face; none of maps that are no surfaces.
+    /// The corners of `loose` faces, which are given per element and face; none of maps that are no surfaces.
     pub fn of(geometry: &impl Geometry<D, N, T>, loose: &[Vec<bool>]) -> Self {
         let (mut boxes, mut edges, mut table) = (Vec::new(), Vec::new(), MapTable::new());
         for (e, own) in loose.iter().enumerate().filter(|(_, own)| D == 2 && own.contains(&true)) {

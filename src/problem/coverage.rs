@@ -19,13 +19,12 @@
 //!
 //! Across a gap, masters that meet at an angle have such a strip, of up to twice the gap, of which a thin element is the larger share: h includes
 //! eight times the gap for what is doubled. On other sides nothing explains it.
+//!
+//! What is half of the side or more is no strip: there masters lie behind each other.
 
 use super::model::{BodySide, Model, Pairing, TiePart};
 use super::touching::sag;
-use crate::basis::Order;
 use crate::geometry::{Bounds, Geometry, MapTable};
-use crate::linalg::measure;
-use crate::quadrature::Quadrature;
 
 /// Largest share of a slave side that may be uncovered, or covered twice.
 const ROUNDING: f64 = 1e-6;
@@ -34,6 +33,8 @@ const ROUNDING: f64 = 1e-6;
 const FARTHER: f64 = 2.0;
 /// Width over gap, and diameter over width, of a strip that two masters cover where they meet at an angle, together.
 const STRIP: f64 = 8.0;
+/// Share of the side that a strip is less than.
+const HALF: f64 = 0.5;
 
 /// The shares of a slave side's elements that the masters of a tie cover.
 #[derive(Debug)]
@@ -45,12 +46,7 @@ pub(super) struct SlaveCoverage {
 impl SlaveCoverage {
     pub fn of<'a, const S: usize, const N: usize>(slave: &BodySide<S, N>, pairings: impl IntoIterator<Item = &'a Pairing<S, N>>) -> Self {
         let (mut map, pairings) = (MapTable::new(), pairings.into_iter().collect::<Vec<_>>());
-        let of = |e: usize| {
-            let rule = slave.rules.rule(e);
-            slave.trace.space.map(e, &rule.points, Order::Gradients, &mut map);
-            let size = rule.weights.iter().zip(&map.jacobian).map(|(w, j)| w * measure(j)).sum();
-            (size, pairings.iter().map(|p| p.segments.report.share[e]).sum())
-        };
+        let of = |e: usize| (slave.measure_of(e, &mut map), pairings.iter().map(|p| p.segments.report.share[e]).sum());
         Self { elements: (0..slave.trace.space.num_elements()).map(of).collect() }
     }
 
@@ -90,7 +86,8 @@ impl<const S: usize, const N: usize> Model<S, N> {
         let explained = sag(&self.patches, slave).greatest() + sag(&self.patches, &farthest.master).greatest();
         let strip = explained + STRIP * distance(farthest);
         let boxes = slave.trace.space.all_bounds();
-        let is_strip = boxes.iter().zip(&farthest.segments.report.share).all(|(b, share)| share * b.diagonal() <= strip);
+        let is_narrow = SlaveCoverage::of(slave, [farthest]).covered() < HALF;
+        let is_strip = is_narrow && boxes.iter().zip(&farthest.segments.report.share).all(|(b, share)| share * b.diagonal() <= strip);
         is_strip.then_some(k)
     }
 
@@ -101,7 +98,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         }
         let of_masters = pairings.iter().map(|p| sag(&self.patches, &p.master).greatest()).fold(0.0, f64::max);
         let explained = sag(&self.patches, slave).greatest() + of_masters;
-        let gap = pairings.iter().map(|p| p.segments.report.distance).fold(0.0, f64::max);
+        let gap = if coverage.doubled() < HALF { pairings.iter().map(|p| p.segments.report.distance).fold(0.0, f64::max) } else { 0.0 };
         let boxes = slave.trace.space.all_bounds();
         let elements = || boxes.iter().map(Bounds::diagonal).zip(coverage.elements.iter().map(|e| e.1));
         [

@@ -6,8 +6,7 @@ use super::model::{BodySide, ContactModel, ContactPart, Model, Opposing, TiePart
 use crate::basis::Order;
 use crate::coupling::Segments;
 use crate::geometry::{Bounds, Geometry, MapTable};
-use crate::linalg::{Vector, measure};
-use crate::quadrature::Quadrature;
+use crate::linalg::Vector;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// Sum of the shares of an element that two interfaces cover, above which they have points in common.
@@ -50,9 +49,7 @@ impl<'a, const S: usize, const N: usize> Footprint<'a, S, N> {
             }
         }
         for (&element, (share, _)) in &mut covered {
-            let rule = side.rules.rule(element);
-            trace.space.map(element, &rule.points, Order::Gradients, &mut map);
-            *share /= rule.weights.iter().zip(&map.jacobian).map(|(w, j)| w * measure(j)).sum::<f64>();
+            *share /= side.measure_of(element, &mut map);
         }
         let mut of_body: HashMap<usize, Vec<usize>> = HashMap::new();
         all.keys().for_each(|&e| of_body.entry(trace.facets[e].element).or_default().push(e));

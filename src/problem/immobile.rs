@@ -17,7 +17,7 @@ pub(super) struct Immobile<'a, const N: usize> {
     slides: Vec<(usize, Vector<N>)>,
     /// Per time, the normal of every function where it is largest at corners of elements.
     corners: Vec<HashMap<usize, Vector<N>>>,
-    /// The same among points inside of elements, for functions that vanish at corners.
+    /// Per time, the normal of every function where it is largest at points inside of elements, for functions that vanish at corners.
     inner: Vec<HashMap<usize, Vector<N>>>,
     is_surface: bool,
 }

@@ -60,8 +60,9 @@ pub(super) fn unstable_pairing<const S: usize, const N: usize>(space: &dyn Space
 
 /// Returns `psi` on a side that is glued to itself: its functions that belong to one function of the trace where the side closes become
 /// one. Multipliers of curves with as many functions as the closed trace, or fewer, have no end there and stay as they are, as do those of
-/// surfaces of another degree than the trace. A multiplier numbered like the trace follows the numbers of the trace; of any other, functions
-/// are matched that are the only nonzero ones at a corner of a curve, or that have the same values along an edge of a surface.
+/// surfaces of another degree than the trace. A multiplier numbered like the trace, or like its free functions, follows the numbers of the trace;
+/// of any other, functions are matched that are the only nonzero ones at a corner of a curve, or that have the same values along an edge of a
+/// surface.
 pub fn wrapped<const S: usize, const N: usize>(
     model: &Model<S, N>,
     slave: &BodySide<S, N>,
@@ -75,6 +76,10 @@ pub fn wrapped<const S: usize, const N: usize>(
     }
     if numbered_alike(&*psi, space) {
         return wrapped_in_order(model, slave, constrained, psi);
+    }
+    let free: Vec<usize> = (0..dofs.len()).filter(|&i| !constrained(dofs[i])).collect();
+    if S > 1 && numbered_as(&*psi, space, &free) {
+        return merged(psi, &twins(model, slave, free.into_iter().enumerate().map(|(j, i)| (i, j))));
     }
     let twin = if S == 1 { corner_twins(model, slave, constrained, &*psi) } else { seam_twins(model, slave, &*psi) };
     merged(psi, &twin)
@@ -100,10 +105,32 @@ pub fn wrapped_in_order<const S: usize, const N: usize>(
             of.extend(ids.iter().copied().zip(own.iter().copied()));
         }
     }
+    merged(psi, &twins(model, slave, of.into_iter().filter(|(i, _)| !constrained(dofs[*i]))))
+}
+
+/// The multipliers whose place another one takes, and that one: of functions of the trace that are one function of the model. Pairs of a function
+/// and its multiplier.
+fn twins<const S: usize, const N: usize>(
+    model: &Model<S, N>,
+    slave: &BodySide<S, N>,
+    of: impl Iterator<Item = (usize, usize)>,
+) -> BTreeMap<usize, usize> {
     let mut first: HashMap<usize, usize> = HashMap::new();
-    let free = of.into_iter().filter(|(i, _)| !constrained(dofs[*i]));
-    let pairs = free.map(|(i, j)| (j, *first.entry(model.function(slave.patch, dofs[i])).or_insert(j)));
-    merged(psi, &pairs.filter(|(j, one)| j != one).collect())
+    let pairs = of.map(|(i, j)| (j, *first.entry(model.function(slave.patch, slave.trace.dofs[i])).or_insert(j)));
+    pairs.filter(|(j, one)| j != one).collect()
+}
+
+/// Whether `psi` has a function for each of the `free` ones of the trace, in their order: multipliers of other functions may have been given to it,
+/// so that it has all elements of its function, and others.
+fn numbered_as<const S: usize, const N: usize>(psi: &dyn Basis<S>, space: &dyn Space<S, N>, free: &[usize]) -> bool {
+    let number: HashMap<usize, usize> = free.iter().enumerate().map(|(j, &i)| (i, j)).collect();
+    let (mut ids, mut own) = (Vec::new(), Vec::new());
+    psi.num_functions() == free.len()
+        && (0..space.num_elements()).all(|element| {
+            space.active(element, &mut ids);
+            psi.active(element, &mut own);
+            own.len() <= ids.len() && ids.iter().filter_map(|i| number.get(i)).all(|j| own.contains(j))
+        })
 }
 
 /// The functions of `psi`, of which those that have a twin are added to it.

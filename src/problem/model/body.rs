@@ -1,13 +1,14 @@
 //! Bodies, their sides and rims.
 
 use crate::assembly::{Rim, gauss_rules_along, points_of_curved_cells, revolved};
-use crate::geometry::Bounds;
-use crate::linalg::Vector;
+use crate::basis::Order;
+use crate::geometry::{Bounds, Geometry, MapTable};
+use crate::linalg::{Vector, measure};
 use crate::problem::changing::Changing;
 use crate::problem::data::{Data, Exact};
 use crate::problem::handles::BodyId;
 use crate::problem::physics::Physics;
-use crate::quadrature::PerElement;
+use crate::quadrature::{PerElement, Quadrature};
 use crate::space::{Body, Connected, Field, Trace};
 use std::sync::Arc;
 
@@ -147,6 +148,13 @@ impl<const S: usize, const N: usize> BodySide<S, N> {
     /// The patch behind an element of the side.
     pub(crate) fn patch_of(&self, element: usize) -> usize {
         self.runs[self.runs.partition_point(|r| r.0 <= element) - 1].1
+    }
+
+    /// Measure of an element of the side by its rule \[length^S\], of a body of revolution with the factor 2 pi r.
+    pub(crate) fn measure_of(&self, element: usize, map: &mut MapTable<S, N>) -> f64 {
+        let rule = self.rules.rule(element);
+        self.trace.space.map(element, &rule.points, Order::Gradients, map);
+        rule.weights.iter().zip(&map.jacobian).map(|(w, j)| w * measure(j)).sum()
     }
 }
 

@@ -219,6 +219,32 @@ fn a_slave_that_two_masters_cover_is_refused() {
     }
 }
 
+/// A master behind another one is no neighbour's beyond a corner, however far the tolerance reaches: a tie that left it out would be silent.
+#[test]
+fn a_master_behind_another_is_refused() {
+    for behind in [0.01, 0.1] {
+        for elements in [2, 4, 8, 16, 64] {
+            let block = |name: &str, [from, to]: [f64; 2], n: usize| {
+                format!(
+                    "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = [0, {from}], max = [1, {to}] }}\nelements = [{n}, 2]\n"
+                )
+            };
+            let text = "[model]\nphysics = \"poisson\"\ndimension = 2\n[[material]]\nname = \"m\"\nconductivity = 1\n".to_owned()
+                + &block("c", [0.0, 1.0], elements)
+                + &block("a", [-1.0, 0.0], 3)
+                + &block("b", [-1.0, -behind], 4)
+                + "[[boundary]]\non = \"c.top\"\ndirichlet = { u = 1 }\n\
+                   [[boundary]]\non = [\"a.bottom\", \"b.bottom\"]\nfix = [\"u\"]\n\
+                   [[interface]]\nslave = \"c.bottom\"\nmaster = [\"a.top\", \"b.top\"]\ntolerance = 0.2\n";
+            let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            let what = format!("{elements} elements, {behind} behind");
+            let told = case.run(&Registry::default()).map(|result| result.status).expect_err(&what).to_string();
+            let word = "100 % of the slave side `c.bottom` meets two of `a.top`, `b.top`";
+            assert!(told.starts_with("error[E025]") && told.contains(word), "{what}: {told}");
+        }
+    }
+}
+
 /// The border of two masters runs through elements of the slave, and through a column of its Gauss points that lie on edges of triangles, too.
 #[test]
 fn masters_beside_each_other_may_meet_in_points_of_the_slave() {

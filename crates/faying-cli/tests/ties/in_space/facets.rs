@@ -77,6 +77,35 @@ fn splines_and_exact_maps_lose_nothing() {
     }
 }
 
+/// A ring of tetrahedra that closes, between two held rims: one multiplier per free function of the closed side, although what the rims hand on
+/// differs on both sides of the line where it closes.
+#[test]
+fn multipliers_of_closed_rings_of_tetrahedra_close() {
+    for (degree, turn) in [(1, 0.0), (1, 30.0), (2, 0.0)] {
+        for height in [2, 3, 5] {
+            let ring = |name: &str, radii: &str, turn: f64, [around, n]: [usize; 2], kind: &str| {
+                format!(
+                    "[[patch]]\nname = \"{name}\"\nclosed = \"u\"\n\
+                     geometry = {{ kind = \"annulus-sector\", radius = {radii}, angle_deg = [{turn:?}, {:?}], extrude = 0.5 }}\n\
+                     elements = [{around}, 2, {n}]\n{kind}\n",
+                    turn + 360.0
+                )
+            };
+            let text =
+                "[model]\nphysics = \"poisson\"\ndimension = 3\nexact = { u = \"2*z\" }\n[[material]]\nname = \"m\"\nconductivity = 1\n"
+                    .to_owned()
+                    + &ring("inner", "[1, 1.5]", 0.0, [8, 2], "backend = \"iga\"\ndegree = 2")
+                    + &ring("outer", "[1.5, 2]", turn, [12, height], &format!("backend = \"fe\"\ncells = \"simplex\"\ndegree = {degree}"))
+                    + "[[interface]]\nname = \"seam\"\nslave = \"outer.v0\"\nmaster = \"inner.v1\"\nmultiplier = \"p/p\"\n\
+                   [[boundary]]\non = [\"outer.v1\", \"inner.v0\", \"outer.w0\", \"outer.w1\", \"inner.w0\", \"inner.w1\"]\ndirichlet = \"exact\"\n";
+            let result = run(&text, &[]);
+            let multiplier = result.interface["seam"].multiplier.clone().unwrap();
+            assert_eq!(multiplier.functions, 12 * degree * (height * degree - 1), "degree {degree}, {height} elements");
+            assert!(error(&result, "error.u.L2") < 1e-10, "{degree} {height}: {:e}", error(&result, "error.u.L2"));
+        }
+    }
+}
+
 /// A slave of 90 degrees on a master of 85: what facets lose at the rim does not hide a strip of a sixth of an element.
 #[test]
 fn a_master_that_ends_before_its_slave_is_refused() {
