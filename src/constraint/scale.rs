@@ -5,12 +5,16 @@
 //! r_i = k_i / max_j |C_ij|                 factor of row i; lambda_i = r_i l_i
 //! ```
 //!
-//! The largest entry of a scaled row equals the stiffness k_i, whatever the units and the stiffness contrast.
+//! The largest entry of a scaled row equals the stiffness k_i, whatever the units and the stiffness contrast. A soft row whose entries are rounding, as
+//! where all of its unknowns but for the rounding of others are prescribed, has a lesser factor: its compliance s r² is at most 1e4 k.
 
 use super::{ConstrainedSystem, RowKind, SolveError};
 use crate::coupling::Rows;
 use crate::linalg::NO_SYMMETRY;
 use crate::linalg::{Csr, LinearError, Operator, Real, Triplets};
+
+/// Largest compliance of a scaled row over its stiffness.
+const SOFTEST: f64 = 1e4;
 
 /// Scales of the constraint rows: stiffness k_i and weight s_i.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -114,12 +118,14 @@ impl<'a> Scaled<'a> {
         }
         let k = row_scales(&diagonal, system.constraint, m).stiffness;
         let largest: Vec<f64> = (0..m).map(|i| rows.row(i).1.iter().fold(0.0, |a: f64, v| a.max(v.abs()))).collect();
-        let factor: Vec<f64> = (0..m).map(|i| if largest[i] > 0.0 { k[i] / largest[i] } else { 1.0 }).collect();
+        let compliance = |i: usize| system.compliance.get(i).copied().unwrap_or(0.0);
+        let softest = |i: usize| if compliance(i) > 0.0 { (SOFTEST * k[i] / compliance(i)).sqrt() } else { f64::INFINITY };
+        let factor: Vec<f64> = (0..m).map(|i| if largest[i] > 0.0 { (k[i] / largest[i]).min(softest(i)) } else { 1.0 }).collect();
         scale_rows(&mut rows, &factor);
         if let Some(b) = &mut reaction {
             scale_rows(b, &factor);
         }
-        let compliance: Vec<f64> = (0..m).map(|i| system.compliance.get(i).map_or(0.0, |s| s * factor[i] * factor[i])).collect();
+        let compliance: Vec<f64> = (0..m).map(|i| compliance(i) * factor[i] * factor[i]).collect();
         let enforced = enforced(system, &rows)?;
         let offset = (0..m).map(|i| system.offset[i] * factor[i]).collect();
         let places = row_places(system, m, n);

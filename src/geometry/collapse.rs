@@ -1,7 +1,7 @@
 //! Collapsed faces of control nets.
 
 /// Control points nearer than this share of the size of their net are one point.
-const SAME_POINT: f64 = 1e-12;
+const SAME_POINT: f64 = 1e-10;
 /// Rounding errors of a coordinate that was computed, in units of its last place.
 const ROUNDINGS: f64 = 16.0;
 
@@ -18,7 +18,7 @@ pub struct CollapsedFace {
 
 /// Returns the collapsed faces of a net of `counts` control points per direction, the first direction fastest.
 ///
-/// Points are one where their coordinates differ by at most 1e-12 of the largest extent of the net, or by the rounding of their size,
+/// Points are one where their coordinates differ by at most 1e-10 of the largest extent of the net, or by the rounding of their size,
 /// which decides for small nets far from the origin. Empty where `points` are not as many as `counts` say.
 pub fn collapsed_faces<P: AsRef<[f64]>>(counts: &[usize], points: &[P]) -> Vec<CollapsedFace> {
     if points.is_empty() || counts.iter().product::<usize>() != points.len() {

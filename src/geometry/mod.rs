@@ -24,6 +24,7 @@ mod rim_corners;
 mod sag;
 mod sampler;
 pub mod shapes;
+mod smooth_pieces;
 mod structure;
 
 use crate::basis::{Elements, NoStructure, Order, ScratchSlot, ShapeTable};
@@ -48,6 +49,7 @@ pub use oriented::Oriented;
 pub use revolution::circumference;
 pub use sag::Sag;
 pub use sampler::Sampler;
+pub use smooth_pieces::{Kinks, smooth_pieces};
 pub use structure::{Control, MapBlock, MapStructure};
 
 /// Positions and derivatives of a map at a batch of points; caller-owned, keeps its memory between calls.

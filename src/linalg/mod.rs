@@ -32,6 +32,7 @@ mod solver;
 mod sparsity;
 mod symmetry;
 mod triplets;
+mod union;
 mod upper;
 
 pub(crate) use buffer::Buffer;
@@ -59,4 +60,5 @@ pub use small::{determinant, inverse, measure};
 pub use solver::{LinearError, LinearSolver, NO_SYMMETRY};
 pub use sparsity::{Columns, Sparsity};
 pub use triplets::Triplets;
+pub(crate) use union::Union;
 pub(crate) use upper::Upper;

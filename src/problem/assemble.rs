@@ -15,6 +15,7 @@ use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
 use super::model::{BodySide, ContactModel, Model, TieModel};
 use super::obstacle::{ForceDriven, MovingObstacle};
+use super::smooth_pieces::places_of;
 use super::solved::Common;
 use super::tie_part::TieCounts;
 use super::touching::Search;
@@ -48,13 +49,14 @@ where
 
     /// The work of [`assemble_movable`](Self::assemble_movable).
     pub(super) fn system(&self) -> Result<System<S, N>, ProblemErrors> {
-        let model = Arc::new(self.built()?);
+        some(self.check_interfaces())?;
+        let pieces = self.between_kinks();
+        let model = Arc::new(pieces.as_ref().unwrap_or(self).built()?);
         let (identity, regions, places) = (self.identity.clone(), self.regions.clone(), BodyLocators::new(model.patches.len()));
         Ok(System::new(Common { identity, regions, places, model, half_width: Trace::<S, N>::half_width }, self.times.clone()))
     }
 
     fn built(&self) -> Result<Model<S, N>, ProblemErrors> {
-        some(self.check_interfaces())?;
         let pressed = self.contacts.iter().map(|c| c.own.forces.len()).sum();
         let mut model = self.model(pressed)?;
         let fixed = self.fixed(&model)?;
@@ -95,9 +97,10 @@ where
         let mut errors = Vec::new();
         for tie in ties {
             let mut parts = Vec::new();
-            for (k, pair) in tie.own.pairs.iter().enumerate() {
+            for (k, pair) in places_of(tie.own.pairs.iter().map(|p| &p.slave)).into_iter().zip(&tie.own.pairs) {
                 match model.tie_part(tie, pair, self.times[0], fixed, members) {
-                    Ok(part) => {
+                    Ok(mut part) => {
+                        part.number = k;
                         model.rows += part.num_rows;
                         parts.push(part);
                     }
@@ -134,7 +137,7 @@ where
                 method: Arc::clone(&contact.own.method),
             };
             let mut behind = Vec::new();
-            for (k, slave) in contact.own.slaves.iter().enumerate() {
+            for (k, slave) in places_of(contact.own.slaves.iter()).into_iter().zip(&contact.own.slaves) {
                 let field = model.patches[slave.patch].field;
                 let beside = self.memberships_beside(model, slave);
                 let tied = beside.as_ref().unwrap_or(tied);
@@ -156,6 +159,9 @@ where
                     Err(error) => errors.push(of_slave(contact.id(), k, &contact.name, slave, error)),
                 }
             }
+            // a side of which a piece faces something is not idle
+            built.idle.dedup();
+            built.idle.retain(|k| built.parts.iter().all(|part| part.number != *k));
             // a side that faces nothing is none of the contact where others face something
             if built.parts.is_empty() {
                 errors.extend(behind);

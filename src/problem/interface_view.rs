@@ -66,12 +66,11 @@ impl<'a, const S: usize, const N: usize> InterfaceView<'a, S, N> {
         }
     }
 
-    /// Its slave sides; of a contact those that face something.
+    /// Its slave sides, those with kinks as their pieces; of a contact those that face something.
     pub fn sides(&self) -> Vec<SlaveSide<'a, S, N>> {
-        let side = |(place, part)| SlaveSide { part, place };
         match self.0 {
-            Of::Tie(tie) => tie.parts.iter().map(Part::Tie).enumerate().map(side).collect(),
-            Of::Contact(contact) => contact.parts.iter().map(Part::Contact).enumerate().map(side).collect(),
+            Of::Tie(tie) => tie.parts.iter().map(|part| SlaveSide { part: Part::Tie(part) }).collect(),
+            Of::Contact(contact) => contact.parts.iter().map(|part| SlaveSide { part: Part::Contact(part) }).collect(),
         }
     }
 
@@ -109,7 +108,6 @@ impl<'a, const S: usize, const N: usize> InterfaceView<'a, S, N> {
 #[derive(Clone, Copy, Debug)]
 pub struct SlaveSide<'a, const S: usize, const N: usize> {
     part: Part<'a, S, N>,
-    place: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -127,10 +125,10 @@ impl<'a, const S: usize, const N: usize> SlaveSide<'a, S, N> {
         }
     }
 
-    /// Its place, from 0, among the slave sides of the statement.
+    /// Its place, from 0, among the slave sides of the statement; pieces of one side between kinks have the same.
     pub fn number(&self) -> usize {
         match self.part {
-            Part::Tie(_) => self.place,
+            Part::Tie(part) => part.number,
             Part::Contact(part) => part.number,
         }
     }

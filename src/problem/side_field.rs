@@ -9,7 +9,7 @@ use super::solution::Solution;
 use super::tie_along::tie_along;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::contact::{FacingSurface, Obstacle, Surface, opposed};
-use crate::geometry::{Geometry, MapTable};
+use crate::geometry::MapTable;
 use crate::linalg::{Vector, measure};
 use crate::quadrature::Quadrature;
 use std::fmt::{Debug, Formatter};
@@ -203,11 +203,11 @@ pub(super) fn normals<const S: usize, const N: usize>(slave: &Arc<BodySide<S, N>
     let slave = Arc::clone(slave);
     Box::new(move |element, xi| {
         let mut map = MapTable::new();
-        slave.trace.space.map(element, xi, Order::Gradients, &mut map);
+        let normals = slave.trace.normals(element, xi, &mut map);
         (0..xi.len())
             .flat_map(|q| {
                 // points that face nothing show minus the slave's normal
-                let own = slave.trace.normal(element, &map.jacobian[q]);
+                let own = normals[q];
                 opposed(&*target, &map.x[q], &own).map_or(-own, |hit| hit.normal).into_iter().copied().collect::<Vec<_>>()
             })
             .collect()

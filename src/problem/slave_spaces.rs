@@ -9,6 +9,7 @@ use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
 use super::model::{BodySide, Model};
 use super::multipliers::wrapped;
+use super::smooth_pieces::places_of;
 use crate::basis::{Basis, Order, ShapeTable};
 use crate::coupling::multiplier::MultiplierError;
 use crate::geometry::{Bounds, MapTable, Tree, cell};
@@ -71,12 +72,17 @@ where
     /// # Errors
     /// All that is wrong with bodies, sides and multipliers.
     pub fn slave_spaces(&self, ends: SlaveEnds) -> Result<Vec<SlaveSpace<S, N>>, ProblemErrors> {
+        let pieces = self.between_kinks();
+        pieces.as_ref().unwrap_or(self).spaces_of_slaves(ends)
+    }
+
+    fn spaces_of_slaves(&self, ends: SlaveEnds) -> Result<Vec<SlaveSpace<S, N>>, ProblemErrors> {
         let model = self.model(self.contacts.iter().map(|c| c.own.forces.len()).sum())?;
         let fixed = self.fixed(&model)?;
         let tied = self.memberships(&model);
         let (mut out, mut errors) = (Vec::new(), Vec::new());
         for tie in self.ties.iter().filter(|t| t.own.coupling.has_rows()) {
-            for (number, pair) in tie.own.pairs.iter().enumerate() {
+            for (number, pair) in places_of(tie.own.pairs.iter().map(|p| &p.slave)).into_iter().zip(&tie.own.pairs) {
                 let (slave, field) = (&pair.slave, model.patches[pair.slave.patch].field);
                 let mut told: Vec<ProblemError> = Vec::new();
                 for c in 0..model.components {
@@ -93,7 +99,7 @@ where
             }
         }
         for contact in self.contacts.iter().filter(|c| c.own.method.needs().multiplier) {
-            for (number, slave) in contact.own.slaves.iter().enumerate() {
+            for (number, slave) in places_of(contact.own.slaves.iter()).into_iter().zip(&contact.own.slaves) {
                 let normals = normals(slave);
                 let taken = |function: usize, c: usize| {
                     is_taken(&model, &fixed, slave, function, c) || tied.count(&model, slave.patch, function) > 0

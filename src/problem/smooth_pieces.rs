@@ -1,78 +1,108 @@
-//! Pieces of a side between its kinks: lines of elements, or corners in the plane, where the normal jumps.
+//! Sides as their pieces between kinks.
+//!
+//! A multiplier that is continuous across a kink cannot follow the tractions there, which jump with the normal: it does not hold states of constant
+//! stress exactly, and the error beside the kink does not fall with the size of the elements. So slave sides are taken as their pieces, as if these
+//! were stated as a list. A multiplier by data or by a function of the user is one of the whole side.
 
 use super::builder::Problem;
+use super::coupled::{Multiplier, TiePair};
 use super::model::BodySide;
 use crate::assembly::planar_normal;
 use crate::basis::Order;
-use crate::geometry::{MapTable, cell};
-use crate::linalg::Vector;
-use crate::space::{Trace, Union};
-use std::collections::HashMap;
+use crate::coupling::multiplier::MultiplierKind;
+use crate::geometry::{ClosestPoint, Geometry, Kinks, MapTable, cell, smooth_pieces};
 use std::sync::Arc;
 
-/// Distance of unit normals from which on they are those of a kink: 0.6 degrees.
-pub(super) const KINK: f64 = 1e-2;
-
-/// Normals are compared this share of the way from the common corner or edge to the centres of both elements, since maps may be singular there.
-const INSIDE: f64 = 1e-6;
+/// Distance of the centre of a refined facet from the facet it is part of, as a share of its size.
+const ON_FACET: f64 = 0.1;
 
 impl<const S: usize, const N: usize> Problem<S, N> {
-    /// The pieces of a side between its kinks; the side itself if it has none, or cells of several shapes.
+    /// The pieces of a side that slides, between all its kinks; the side itself if it has none, or cells of several shapes.
     pub(super) fn pieces_between_kinks(&self, side: &Arc<BodySide<S, N>>) -> Vec<Arc<BodySide<S, N>>> {
-        let space = &*side.trace.space;
-        let alike = (0..space.num_elements()).all(|e| space.cell(e) == space.cell(0));
-        if !alike || planar_normal(&side.trace).is_some() {
+        if planar_normal(&side.trace).is_some() {
             return vec![side.clone()];
         }
-        let pieces = smooth_pieces(&side.trace);
+        self.parts(side, &smooth_pieces(&*side.trace.space, &side.trace.outward, Kinks::All))
+    }
+
+    /// The problem with the slave sides of ties and contacts as their pieces between kinks; `None` if no slave has one.
+    pub(super) fn between_kinks(&self) -> Option<Self> {
+        let mut own = self.clone();
+        let mut changed = false;
+        for tie in own.ties.iter_mut().filter(|t| follows_kinks(&t.multiplier)) {
+            let pairs = std::mem::take(&mut tie.own.pairs).into_iter().flat_map(|pair| {
+                let pieces = self.slave_pieces(&pair.slave);
+                changed |= pieces.len() > 1;
+                pieces.into_iter().map(move |slave| TiePair { slave, ..pair.clone() })
+            });
+            tie.own.pairs = pairs.collect();
+        }
+        for contact in own.contacts.iter_mut().filter(|c| follows_kinks(&c.multiplier)) {
+            let slaves = contact.own.slaves.iter().flat_map(|slave| {
+                let pieces = self.slave_pieces(slave);
+                changed |= pieces.len() > 1;
+                pieces
+            });
+            contact.own.slaves = slaves.collect();
+        }
+        changed.then_some(own)
+    }
+
+    /// The pieces of a slave side: facets of a refined mesh are judged by those that it was refined from.
+    fn slave_pieces(&self, side: &Arc<BodySide<S, N>>) -> Vec<Arc<BodySide<S, N>>> {
+        let (patch, space) = (&self.bodies[side.patch], &side.trace.space);
+        let whole = patch.unrefined.as_ref().and_then(|body| body.trace(&side.side).ok());
+        let Some(whole) = whole else {
+            return self.parts(side, &smooth_pieces(&**space, &side.trace.outward, Kinks::OfPlanes));
+        };
+        let pieces = smooth_pieces(&*whole.space, &whole.outward, Kinks::OfPlanes);
         if pieces.len() == 1 {
             return vec![side.clone()];
         }
-        let piece = |elements: &Vec<usize>| {
-            let trace = self.compiled.part(&side.trace, elements, space.cell(0));
+        let mut of = vec![0; whole.facets.len()];
+        pieces.iter().enumerate().for_each(|(k, piece)| piece.iter().for_each(|&e| of[e] = k));
+        let (closest, mut map) = (ClosestPoint::new(Arc::clone(&whole.space)), MapTable::new());
+        let mut parts = vec![Vec::new(); pieces.len()];
+        for e in 0..space.num_elements() {
+            space.map(e, &[cell::center::<S, f64>(space.cell(e))], Order::Values, &mut map);
+            let Some(foot) = closest.project_within(&map.x[0], space.bounds(e).diagonal() * ON_FACET) else { return vec![side.clone()] };
+            parts[of[foot.element]].push(e);
+        }
+        parts.retain(|part| !part.is_empty());
+        self.parts(side, &parts)
+    }
+
+    /// The parts of a side with these elements; the side itself if it is one part, or a part has cells of several shapes.
+    fn parts(&self, side: &Arc<BodySide<S, N>>, parts: &[Vec<usize>]) -> Vec<Arc<BodySide<S, N>>> {
+        let space = &*side.trace.space;
+        let is_uniform = |part: &Vec<usize>| part.iter().all(|&e| space.cell(e) == space.cell(part[0]));
+        if parts.len() == 1 || !parts.iter().all(is_uniform) {
+            return vec![side.clone()];
+        }
+        let part = |elements: &Vec<usize>| {
+            let trace = self.compiled.part(&side.trace, elements, space.cell(elements[0]));
             let own = BodySide::of_trace(&self.bodies[side.patch], side.patch, &side.side, side.label.clone(), trace);
             Arc::new(BodySide { whole: Some(side.said()), ..own })
         };
-        pieces.iter().map(piece).collect()
+        parts.iter().map(part).collect()
     }
 }
 
-/// The elements of every piece of a side within which the normal does not jump, ascending.
-fn smooth_pieces<const S: usize, const N: usize>(trace: &Trace<S, N>) -> Vec<Vec<usize>> {
-    let space = &*trace.space;
-    let (mut ids, mut map) = (Vec::new(), MapTable::new());
-    let mut trees = Union::new(space.num_elements());
-    // the last element at a corner or an edge, with the normal there
-    let mut joints: HashMap<Vec<usize>, (usize, Vector<N>)> = HashMap::new();
-    let mut has_kinks = false;
-    for e in 0..space.num_elements() {
-        let (kind, center) = (space.cell(e), cell::center::<S, f64>(space.cell(e)));
-        space.corners(e, &mut ids);
-        for face in cell::faces::<S, f64>(kind) {
-            let mut corners: Vec<usize> = face.corners.iter().map(|&c| ids[c]).collect();
-            corners.sort_unstable();
-            space.map(e, &[face.center + (center - face.center) * INSIDE], Order::Gradients, &mut map);
-            let normal = trace.normal(e, &map.jacobian[0]);
-            let Some((other, there)) = joints.insert(corners, (e, normal)) else { continue };
-            // where there is no normal there is no kink
-            if (normal - there).norm() > KINK {
-                has_kinks = true;
-                continue;
-            }
-            trees.unite(e, other);
-        }
-    }
-    if !has_kinks {
-        return vec![(0..space.num_elements()).collect()];
-    }
-    let mut pieces: Vec<Vec<usize>> = Vec::new();
-    let mut number = HashMap::new();
-    for e in 0..space.num_elements() {
-        let k = *number.entry(trees.root(e)).or_insert_with(|| {
-            pieces.push(Vec::new());
-            pieces.len() - 1
+/// Whether a multiplier is one of the library's by name.
+fn follows_kinks<const S: usize, const N: usize>(multiplier: &Multiplier<S, N>) -> bool {
+    matches!(multiplier, Multiplier::Kind(kind) if !matches!(kind, MultiplierKind::Uniform { .. }))
+}
+
+/// The place in the statement of every slave side: pieces of one side have that of the side.
+pub(super) fn places_of<'a, const S: usize, const N: usize>(slaves: impl Iterator<Item = &'a Arc<BodySide<S, N>>>) -> Vec<usize> {
+    let mut before: Option<(&Arc<BodySide<S, N>>, usize)> = None;
+    let place = |slave: &'a Arc<BodySide<S, N>>| {
+        let place = before.map_or(0, |(other, place)| {
+            let same = other.whole.as_ref().zip(slave.whole.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
+            place + usize::from(!same)
         });
-        pieces[k].push(e);
-    }
-    pieces
+        before = Some((slave, place));
+        place
+    };
+    slaves.map(place).collect()
 }

@@ -56,8 +56,7 @@ impl<const S: usize, const N: usize> Masters<S, N> {
         let inside = feet.filter(|(_, foot)| !foot.rim);
         let (master, foot) = inside.min_by(|(_, a), (_, b)| a.distance.total_cmp(&b.distance))?;
         let mut map = MapTable::new();
-        master.trace.space.map(foot.element, &[foot.xi], Order::Gradients, &mut map);
-        let normal = master.trace.normal(foot.element, &map.jacobian[0]);
+        let normal = master.trace.normals(foot.element, &[foot.xi], &mut map)[0];
         Some((master, foot, normal))
     }
 }
@@ -93,12 +92,9 @@ fn normals<const S: usize, const N: usize>(state: &Arc<dyn State<S, N>>, [t, p]:
     Box::new(move |element, xi| {
         let part = &state.model().ties[t].parts[p];
         let mut map = MapTable::new();
-        part.slave.trace.space.map(element, xi, Order::Gradients, &mut map);
-        let normal = |(x, jacobian)| match masters.facing(part, x) {
-            Some((_, _, normal)) => normal,
-            None => -part.slave.trace.normal(element, jacobian),
-        };
-        map.x.iter().zip(&map.jacobian).flat_map(|at| normal(at).into_iter().copied().collect::<Vec<_>>()).collect()
+        let own = part.slave.trace.normals(element, xi, &mut map);
+        let normal = |(x, own): (&Vector<N>, &Vector<N>)| masters.facing(part, x).map_or(-own, |(_, _, normal)| normal);
+        map.x.iter().zip(&own).flat_map(|at| normal(at).into_iter().copied().collect::<Vec<_>>()).collect()
     })
 }
 

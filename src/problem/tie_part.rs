@@ -98,6 +98,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
             if coupling.has_rows() { self.tie_multipliers(tie, slave, fixed, members)? } else { (Vec::new(), None) };
         let (pairings, finer) = self.pairings(tie, pair)?;
         let mut part = TiePart {
+            number: 0,
             slave: slave.clone(),
             multipliers,
             unstable,

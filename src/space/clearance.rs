@@ -1,7 +1,7 @@
 //! Test whether two sides touch: their distance against the deviation of their facets from the surface they approximate.
 //!
 //! A point of a facet is moved out to that surface ([`Sag::bulge`]) and so is its closest point on the other side; g is their distance
-//! along the other side's normal. Points whose normals do not oppose, or that lie beyond the edge of the other side, are skipped.
+//! along the other side's normal, or zero where the facets themselves touch. Points whose normals do not oppose, or that lie beyond the edge of the other side, are skipped.
 //! Sides touch if |mean g| <= 0.25 mean sag and |g| <= 2 sag everywhere; distances below a floor count as zero.
 
 use super::{Space, Trace};
@@ -32,6 +32,8 @@ pub struct Skin<'a, const S: usize, const N: usize, T: Real = f64> {
 pub struct SkinPoint<const N: usize, T: Real = f64> {
     /// Position on the surface that the facet approximates \[length\].
     pub x: Vector<N, T>,
+    /// Position on the facet \[length\].
+    pub on_facet: Vector<N, T>,
     /// Outward unit normal of the facet.
     pub normal: Vector<N, T>,
     /// The facet's sag \[length\].
@@ -41,7 +43,7 @@ pub struct SkinPoint<const N: usize, T: Real = f64> {
 /// Distance of a point from a skin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sight<T: Real = f64> {
-    /// Distance along the skin's normal \[length\], negative where the sides overlap.
+    /// Distance along the skin's normal \[length\], negative where the sides overlap; zero where the facets touch.
     pub gap: T,
     /// Distance to the closest point of the facets \[length\].
     pub distance: T,
@@ -72,8 +74,12 @@ impl<'a, const S: usize, const N: usize, T: Real> Skin<'a, S, N, T> {
             return None;
         }
         let raised = foot.x + normal * self.sag.bulge(foot.element, self.trace.space.cell(foot.element), &foot.xi);
-        let (gap, sag) = ((point.x - raised).dot(&normal), self.sag.of_facet(foot.element));
-        Some((Sight { gap, distance: foot.distance, sag: point.sag.max(sag) }, SkinPoint { x: raised, normal, sag }))
+        let (mut gap, sag) = ((point.x - raised).dot(&normal), self.sag.of_facet(foot.element));
+        if gap.abs() > floor && self.closest.project_within(&point.on_facet, floor).is_some() {
+            gap = T::zero();
+        }
+        let seen = SkinPoint { x: raised, on_facet: foot.x, normal, sag };
+        Some((Sight { gap, distance: foot.distance, sag: point.sag.max(sag) }, seen))
     }
 }
 
@@ -109,7 +115,8 @@ pub fn raised<const S: usize, const N: usize, T: Real>(
     trace.space.map(facet, xi, Order::Gradients, table);
     let point = |(q, xi): (usize, &Vector<S, T>)| {
         let normal = trace.normal(facet, &table.jacobian[q]);
-        SkinPoint { x: table.x[q] + normal * sag.bulge(facet, kind, xi), normal, sag: sag.of_facet(facet) }
+        let on_facet = table.x[q];
+        SkinPoint { x: on_facet + normal * sag.bulge(facet, kind, xi), on_facet, normal, sag: sag.of_facet(facet) }
     };
     xi.iter().enumerate().map(point).collect()
 }

@@ -1,9 +1,9 @@
 //! Connected parts: elements that share functions, and points of a mesh that coincide without being shared.
 
-use super::{MeshCells, Union, corner_places, nodes_per_cell};
+use super::{MeshCells, corner_places, nodes_per_cell};
 use crate::basis::Basis;
 use crate::geometry::Bounds;
-use crate::linalg::Vector;
+use crate::linalg::{Union, Vector};
 use std::collections::HashMap;
 
 /// Points nearer than this share of their smallest cell coincide.

@@ -1,10 +1,10 @@
 //! Common parts of splines and Lagrange meshes of a patch: elements, exact map, collapsed edges, sides.
 
 use super::refine::{self, SAME_KNOT};
-use super::{SideError, SpecError, Union};
+use super::{SideError, SpecError};
 use crate::basis::{Basis, Extracted, Rational, Refined, TensorProduct};
 use crate::geometry::{ControlNet, ControlPoints, Embedding, Geometry, collapsed_faces};
-use crate::linalg::{Matrix, Vector};
+use crate::linalg::{Matrix, Union, Vector};
 use std::sync::Arc;
 
 const AXES: [&str; 3] = ["u", "v", "w"];
@@ -75,8 +75,10 @@ impl<const N: usize> ElementGrid<N> {
         for k in 0..N {
             all[k] = joined(k, net.axes[k].breakpoints(), &breakpoints[k])?;
         }
-        let exact = exact_map(net, &all);
-        Ok(Self { breakpoints: all, net: net.clone(), exact, collapsed: collapses(net) })
+        let collapsed = collapses(net);
+        let net = with_points(net, &collapsed);
+        let exact = exact_map(&net, &all);
+        Ok(Self { breakpoints: all, net, exact, collapsed })
     }
 
     /// Elements per direction.
@@ -233,6 +235,19 @@ fn joined(direction: usize, knots: &[f64], wanted: &[f64]) -> Result<Vec<f64>, S
         }
     }
     Ok(refine::joined(knots, wanted))
+}
+
+/// The net with its collapsed faces exact: control points that are one up to rounding are one. Otherwise the map would have an inverse at a pole, of
+/// the size of one over the rounding, and derivatives there were noise.
+fn with_points<const N: usize>(net: &ControlNet<N, N>, collapsed: &[Collapse]) -> ControlNet<N, N> {
+    let (mut net, counts) = (net.clone(), net.axes.each_ref().map(|axis| axis.num_functions()));
+    for collapse in collapsed {
+        let stride = counts[..collapse.along].iter().product::<usize>();
+        for i in on_side(&counts, collapse.side) {
+            net.points[i] = net.points[i - split(&counts, i)[collapse.along] * stride];
+        }
+    }
+    net
 }
 
 /// The collapsed faces of a net.

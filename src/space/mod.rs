@@ -28,7 +28,6 @@ mod refine_cells;
 mod spec;
 mod submesh;
 mod trace;
-mod union;
 
 use crate::basis::{Basis, BasisStructure, Cell, Elements, Order, Polynomials, ShapeTable};
 use crate::geometry::{Bounds, ControlPoints, Embedded, Geometry, MapStructure, MapTable};
@@ -57,7 +56,6 @@ pub use refine_cells::{corner_places, facet_key, facets, nodes_per_cell, refine_
 pub use spec::{BasisKind, MAX_DEGREE_SIMPLEX, MAX_DEGREE_SPLINE, MAX_DEGREE_TENSOR, Mapping, PatchSpec, SpecError};
 pub use submesh::Submesh;
 pub use trace::Trace;
-pub(crate) use union::Union;
 
 /// Scalar functions and a map on the same elements.
 pub trait Space<const D: usize, const N: usize, T: Real = f64>: Basis<D, T> + Geometry<D, N, T> {

@@ -1,10 +1,10 @@
 //! Several bodies glued to one: functions that agree on common sides are one function.
 
 use super::joined::{DirectSum, one_each};
-use super::{Body, GlueError, Near, SideError, Space, Trace, Union, glue_facets};
+use super::{Body, GlueError, Near, SideError, Space, Trace, glue_facets};
 use crate::basis::Order;
 use crate::geometry::{Bounds, Embedding, MapTable, Tree, cell};
-use crate::linalg::{Real, Vector, lit, to_f64};
+use crate::linalg::{Real, Union, Vector, lit, to_f64};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 use super::{FunctionSpace, SideError, Space};
 use crate::basis::{Cell, Order};
 use crate::geometry::{Bounds, ClosestPoint, Embedded, Embedding, MapTable, Oriented, Tree, cell, cross, unit_normal};
-use crate::linalg::{Matrix, Real, Vector, lit};
+use crate::linalg::{Matrix, Real, Vector, lit, measure};
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -11,6 +11,10 @@ use std::sync::Arc;
 const ON_FACE: f64 = 1e-9;
 /// Corners of facets nearer than this share of the side's size are one corner.
 const SAME_CORNER: f64 = 1e-9;
+/// Measures below this share of the squares of the tangents are those of a pole.
+const POLE: f64 = 1e-10;
+/// Share of the way to the centre of the element of a point beside a pole.
+const BESIDE: f64 = 1e-6;
 /// A facet pushed out by this share of its element's size must leave the body.
 const PUSH: f64 = 1e-3;
 
@@ -116,6 +120,22 @@ impl<const S: usize, const N: usize, T: Real> Trace<S, N, T> {
     #[inline]
     pub fn normal(&self, element: usize, jacobian: &Matrix<N, S, T>) -> Vector<N, T> {
         unit_normal(jacobian, self.outward[element])
+    }
+
+    /// Outward unit normals at points of an element, whose map is left in `map`; at a pole, where the tangents are dependent up to rounding, the
+    /// normal of a point beside it.
+    pub fn normals(&self, element: usize, xi: &[Vector<S, T>], map: &mut MapTable<S, N, T>) -> Vec<Vector<N, T>> {
+        self.space.map(element, xi, Order::Gradients, map);
+        let mut beside = MapTable::new();
+        let center = cell::center::<S, T>(if S == 1 { Cell::Tensor } else { self.space.cell(element) });
+        let normal = |(jacobian, xi): (&Matrix<N, S, T>, &Vector<S, T>)| {
+            if S < 2 || measure(jacobian) > jacobian.norm_squared() * lit(POLE) {
+                return self.normal(element, jacobian);
+            }
+            self.space.map(element, &[xi + (center - xi) * lit::<T>(BESIDE)], Order::Gradients, &mut beside);
+            self.normal(element, &beside.jacobian[0])
+        };
+        map.jacobian.iter().zip(xi).map(normal).collect()
     }
 }
 

@@ -7,8 +7,7 @@
 use super::super::ConstrainedSystem;
 use super::super::scale::row_places;
 use crate::coupling::Rows;
-use crate::linalg::Triplets;
-use crate::space::Union;
+use crate::linalg::{Triplets, Union};
 use std::ops::Range;
 
 /// Groups at first.

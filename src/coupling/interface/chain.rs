@@ -2,8 +2,7 @@
 
 use crate::basis::Order;
 use crate::geometry::{Bounds, Geometry, MapTable};
-use crate::linalg::{Real, Vector, lit, num, to_f64};
-use crate::space::Union;
+use crate::linalg::{Real, Union, Vector, lit, num, to_f64};
 
 /// Ends closer than this share of the shorter element are one vertex.
 const SAME_VERTEX: f64 = 1e-7;

@@ -26,6 +26,8 @@ pub struct Pairing<const S: usize, const N: usize> {
 /// A slave side of a tied interface.
 #[derive(Debug)]
 pub struct TiePart<const S: usize, const N: usize> {
+    /// Place of the slave side in the statement; pieces of one side have the same.
+    pub number: usize,
     /// The side that carries the multiplier.
     pub slave: Arc<BodySide<S, N>>,
     /// One multiplier space per component; empty if the coupling has no rows.

@@ -52,7 +52,14 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
             let met = tree.meeting(tree.item(a)).into_iter().filter(|&b| a < b);
             pairs.extend(met.filter(|&b| allowed(a, b)).map(|b| [a, b]));
         }
-        let found = if pairs.is_empty() { BTreeMap::new() } else { self.positions(&all, &pairs, &|k| marks[k].is_empty()) };
+        let is_free = |k: usize| marks[k].is_empty();
+        // sides that both press on a body, which lies between them
+        let is_layered = |a: usize, b: usize| {
+            let [p, q] = [a, b].map(|k| all[k].side.patch);
+            let press = |r: usize| apart.contains(&groups(p, r)) && apart.contains(&groups(r, q));
+            !is_free(a) && !is_free(b) && (0..patches.len()).any(press)
+        };
+        let found = if pairs.is_empty() { BTreeMap::new() } else { self.positions(&all, &pairs, &is_free, &is_layered) };
         let seen: BTreeSet<[usize; 2]> = found.keys().map(|pair| pair.map(|k| all[k].side.patch)).collect();
         let overlaps = overlapping(patches, &|a, b| {
             let [p, q] = groups(a, b);
@@ -67,12 +74,14 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
         self.findings.extend(overlaps.into_iter().map(|(patches, x)| Finding::Overlap { patches, x }));
     }
 
-    /// Positions of the sides of `pairs` to each other, if they touch or nearly do; `is_free`: whether nothing joins a side.
+    /// Positions of the sides of `pairs` to each other, if they touch or nearly do; `is_free`: whether nothing joins a side; `is_layered`: whether
+    /// a body lies between two sides, which are apart by its thickness.
     fn positions(
         &self,
         all: &[Extent<S, N>],
         pairs: &BTreeSet<[usize; 2]>,
         is_free: &dyn Fn(usize) -> bool,
+        is_layered: &dyn Fn(usize, usize) -> bool,
     ) -> BTreeMap<[usize; 2], Position> {
         let used: Vec<usize> = pairs.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
         let place: BTreeMap<usize, usize> = used.iter().enumerate().map(|(k, &i)| (i, k)).collect();
@@ -101,7 +110,7 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
                 0.0 < gap && gap <= THIN * thin[0].min(thin[1])
             };
             let best = facing_either(&all[a].side.trace, &all[b].side.trace, reach).filter(|f| !are_joined || slit(f.gap));
-            let Some(best) = best else { continue };
+            let Some(best) = best.filter(|f| f.gap <= 0.0 || !is_layered(a, b)) else { continue };
             found.insert([a, b], if best.gap < 0.0 { Position::Overlap(best.distance) } else { Position::Apart(best.distance) });
         }
         found

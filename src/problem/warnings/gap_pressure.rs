@@ -11,7 +11,8 @@
 //! ```
 //!
 //! (K. L. Johnson, Contact Mechanics, Cambridge 1985, section 13.2), which is told where it is more than the same share of the pressure.
-//! Multipliers of fewer functions, such as p/p-2, see its mean.
+//! Multipliers of fewer functions, such as p/p-2, see its mean. Facets of both sides that coincide are no waves: a is at most what the gap of both
+//! sides varies by.
 
 use super::warning::{Subject, Warning};
 use crate::geometry::{Bounds, Geometry};
@@ -79,5 +80,7 @@ fn wave<const S: usize, const N: usize>(model: &Model<S, N>, part: &ContactPart<
     };
     let soft = part.masters.iter().map(|m| 1.0 / stiffness(m)).fold(0.0, f64::max) + 1.0 / stiffness(&part.slave);
     let (slopes, heights) = part.masters.iter().map(|m| slope(m)).fold(slope(&part.slave), |a, b| (a.0 + b.0, a.1 + b.1));
-    (PI * slopes / soft, heights)
+    let (least, most) = part.first.frames.gap.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &g| (a.min(g), b.max(g)));
+    let seen = (most - least).clamp(0.0, heights);
+    (PI * slopes / soft * if heights > 0.0 { seen / heights } else { 0.0 }, seen)
 }

@@ -7,6 +7,8 @@ use crate::problem::state::StepState;
 
 /// Lost moment over the force through the tie times half its size, above which the warning is given.
 const LOST: f64 = 1e-3;
+/// Forces below this share of the modulus times displacement and size are rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// Finds the ties that lose moments.
 pub(super) fn lost_moments<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<Warning> {
@@ -27,7 +29,13 @@ pub(super) fn lost_moments<const S: usize, const N: usize>(model: &Model<S, N>, 
         let sides = tie.parts.iter().filter_map(|part| part.slave.trace.space.extent());
         let size = 0.5 * sides.reduce(|a, b| a.union(&b)).map_or(0.0, |b| b.diagonal());
         let lost = moment.iter().map(|m| m * m).sum::<f64>().sqrt();
-        if lost <= LOST * force * size {
+        let stiff = tie.parts.iter().map(|part| {
+            let patch = &model.patches[part.slave.patch];
+            patch.physics_at(state.t).modulus(&patch.extent.map_or(model.center, |b| b.center()))
+        });
+        let moved = state.u.iter().fold(0.0_f64, |most, u| most.max(u.abs()));
+        let rounding = ROUNDING * stiff.fold(0.0, f64::max) * moved * size.powi(N as i32 - 2);
+        if force <= rounding || lost <= LOST * force * size {
             continue;
         }
         let apart = tie.parts.iter().flat_map(|part| &part.pairings).map(|p| p.segments.report.distance).fold(0.0, f64::max);

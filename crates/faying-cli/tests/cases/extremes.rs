@@ -204,3 +204,31 @@ fn an_extreme_is_the_value_at_its_place() {
         }
     }
 }
+
+/// Control points at a centre that are one but for rounding, as scripts write r cos(90 degrees): uniform stress there, in numbers and in files.
+#[test]
+fn stresses_at_a_pole_of_rounded_control_points_are_those_of_the_disc() {
+    for off in [0.0, 6e-17, 1e-13, 2e-12, 5e-11] {
+        let points = format!("[[0, 0], [{off:e}, {:e}], [{:e}, {off:e}], [1, 0], [1, 1], [0, 1]]", -0.5 * off, -0.3 * off);
+        let w = std::f64::consts::FRAC_1_SQRT_2;
+        let text = format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[discretization]\ndegree = 2\nextra_points = 6\n\
+             [[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.0\n[[patch]]\nname = \"b\"\nelements = [2, 2]\n\
+             geometry = {{ kind = \"nurbs\", degree = [2, 1], knots = [[0, 0, 0, 1, 1, 1], [0, 0, 1, 1]], points = {points}, \
+             weights = [1, {w}, 1, 1, {w}, 1] }}\n\
+             [[boundary]]\non = \"b.u0\"\nfix = [\"y\"]\n[[boundary]]\non = \"b.u1\"\nfix = [\"x\"]\n[[boundary]]\non = \"b.v1\"\npressure = 0.001\n"
+        ) + &["stress.xx.min", "stress.xx.max", "stress.xx at [0, 0]", "stress.xy.max", "stress.yy.min"]
+            .map(|q| format!("[[probe]]\nquantity = \"{q}\"\n"))
+            .concat();
+        let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let finished =
+            faying_cli::run::run(&case, &Registry::default(), &faying_cli::RunOptions::default(), &faying_cli::RunControl::default());
+        let values: Vec<f64> = finished.result.probes.iter().map(|p| p.value).collect();
+        let wanted = [-1e-3, -1e-3, -1e-3, 0.0, -1e-3];
+        assert!(values.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-9), "{off:e}: {values:?}");
+        let bytes = finished.output.unwrap().parts.vtu().unwrap();
+        let file = faying_files::vtu_read::parse(&bytes, &faying_files::Limits::default()).unwrap();
+        let field = file.point_fields.iter().find(|f| f.name == "von_mises").unwrap_or_else(|| panic!("von_mises"));
+        assert!(field.values.iter().all(|v| (v - 1e-3).abs() < 1e-9), "{off:e}: {:?}", field.values);
+    }
+}

@@ -322,3 +322,40 @@ fn a_tag_of_a_mesh_may_look_like_a_corner() {
     let plain = run_in(folder.path(), &beam("[\"beam.left\", \"beam.right\"]")).unwrap();
     assert_eq!((tagged.exit, tagged.energy), (plain.exit, plain.energy));
 }
+
+/// A thin layer between two contacts: the bodies on both sides of it are apart by its thickness.
+#[test]
+fn bodies_beside_a_layer_that_both_press_are_none() {
+    for dimension in [2, 3] {
+        for thick in [0.05, 0.01, 0.001] {
+            let block = |name: &str, [from, to]: [f64; 2]| {
+                let (min, max) = if dimension == 2 {
+                    (format!("[0, {from}]"), format!("[1, {to}]"))
+                } else {
+                    (format!("[0, 0, {from}]"), format!("[1, 1, {to}]"))
+                };
+                let n = &[2, 2, 1][3 - dimension..];
+                format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = {min}, max = {max} }}\nelements = {n:?}\n")
+            };
+            let text = |between: &str| {
+                format!(
+                    "[model]\nphysics = \"elasticity\"\ndimension = {dimension}\n[[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\n{}{}{}\
+                     [[boundary]]\non = [\"low.bottom\", \"high.left\", \"layer.left\"]\nfix = [\"x\", \"y\"{}]\n\
+                     [[boundary]]\non = \"high.top\"\npressure = 0.001\n\
+                     [[contact]]\nslave = \"low.top\"\nmaster = \"layer.bottom\"\n{between}",
+                    block("low", [0.0, 1.0]),
+                    block("layer", [1.0, 1.0 + thick]),
+                    block("high", [1.0 + thick, 2.0]),
+                    if dimension == 3 { ", \"z\"" } else { "" }
+                )
+            };
+            let both = run(&text("[[contact]]\nslave = \"layer.top\"\nmaster = \"high.bottom\"\n"));
+            assert!(e023(&both).is_empty(), "{dimension}D {thick}: {:?}", both.warnings);
+            // a layer that one of them presses only
+            if thick < 0.02 {
+                let one = run(&text(""));
+                assert!(!e023(&one).is_empty(), "{dimension}D {thick}");
+            }
+        }
+    }
+}

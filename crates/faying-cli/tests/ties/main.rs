@@ -10,6 +10,7 @@ mod held;
 mod in_space;
 mod integration;
 mod iterative;
+mod kinks;
 mod mortar_balance;
 mod multipliers;
 mod poor_numbers;

@@ -5,8 +5,7 @@ use super::polygon::Polygon;
 use super::skeleton::Skeleton;
 use crate::basis::Order;
 use crate::geometry::{MapTable, unit_normal};
-use crate::linalg::{Matrix, Vector};
-use crate::space::Union;
+use crate::linalg::{Matrix, Union, Vector};
 
 /// Largest turn of the normals along a direction of a facet \[rad\].
 const TURN: f64 = std::f64::consts::FRAC_PI_3;

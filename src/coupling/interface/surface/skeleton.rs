@@ -14,9 +14,8 @@ use super::facets::{Facet, Facets};
 use super::numbers::ByNumber;
 use crate::basis::Order;
 use crate::geometry::{MapTable, unit_normal};
-use crate::linalg::Vector;
+use crate::linalg::{Union, Vector};
 use crate::parallel;
-use crate::space::Union;
 
 /// Corners closer than this share of the shorter facet are one vertex.
 const SAME_VERTEX: f64 = 1e-7;

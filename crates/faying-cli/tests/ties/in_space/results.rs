@@ -57,6 +57,41 @@ fn files_show_lambda_gap_traction_and_normal_of_the_side() {
     }
 }
 
+/// At the pole of an octant, where the tangents are dependent, files show the normal of the surface, too: of ties and of contacts.
+#[test]
+fn normals_at_poles_are_those_beside_them() {
+    let octant = |name: &str, radii: &str, n: &str| {
+        format!("[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"sphere-octant\", radius = {radii} }}\nelements = {n}\n")
+    };
+    for (statement, master) in [
+        ("interface", "master = \"outer.w0\"\n"),
+        ("interface", "master = \"outer.w0\"\ncoupling = \"nitsche\"\n"),
+        ("contact", "master = \"outer.w0\"\n"),
+        ("contact", "rigid = { kind = \"sphere\", center = [0, 0, 0], radius = 1.4999, inside = true }\n"),
+    ] {
+        let text = "[model]\nphysics = \"elasticity\"\ndimension = 3\n[discretization]\ndegree = 2\n[[material]]\nname = \"m\"\nyoung = 1\npoisson = 0.3\n"
+            .to_owned()
+            + &octant("inner", "[1, 1.5]", "[3, 2, 1]")
+            + &octant("outer", "[1.5, 2]", "[2, 2, 1]")
+            + "[[boundary]]\non = [\"inner.w0\", \"outer.w1\"]\npressure = 0.001\n\
+               [[boundary]]\non = [\"inner.u0\", \"outer.u0\"]\nfix = [\"normal\"]\n\
+               [[boundary]]\non = [\"inner.u1\", \"outer.u1\"]\nfix = [\"normal\"]\n\
+               [[boundary]]\non = [\"inner.v0\", \"outer.v0\"]\nfix = [\"normal\"]\n"
+            + &format!("[[{statement}]]\nname = \"seam\"\nslave = \"inner.w1\"\n{master}");
+        let finished = run_case(&read(&text, &[]), &Registry::default(), &RunOptions::default(), &RunControl::default());
+        let output = finished.output.unwrap_or_else(|| panic!("{statement} {master}"));
+        let SidePart::Surface(part) = &output.sides[0].part else { panic!("a surface") };
+        for element in 0..6 {
+            let [at, center] = [[0.5, 1.0], [0.5, 0.5]].map(|[u, v]| (part.fields[4].sample)(element, &[Vector::<2>::new(u, v)]));
+            let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+            assert!((dot(&at, &at) - 1.0).abs() < 1e-9 && dot(&at, &center) > 0.8, "{statement} {master}, {element}: {at:?} {center:?}");
+            if element > 2 {
+                assert!((at[2].abs() - 1.0).abs() < 1e-5, "{statement} {master}, {element}: {at:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn lambda_at_a_point_and_numbers_by_their_paths() {
     let probes = "[[probe]]\nname = \"l\"\nquantity = \"interface.seam.lambda at [0.5, 0.4, 0]\"\n\

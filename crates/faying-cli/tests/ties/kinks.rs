@@ -1,0 +1,137 @@
+//! Sides with kinks: two bodies meet on a roof whose halves are at right angles, and at a small angle.
+//!
+//! Tractions of a state of constant stress jump in the ridge; multipliers hold them as those of the halves do.
+
+use faying_cli::case::ReadOptions;
+use faying_cli::{Case, Registry, RunResult};
+
+const BACKENDS: [&str; 3] = ["backend = \"iga\"", "backend = \"fe\"", "backend = \"fe\"\ncells = \"simplex\""];
+
+/// Two bodies on [0, 2] that meet on a roof of the height `h`; `exact` per component, the last one along the height.
+fn roof(dimension: usize, h: f64, kinds: [&str; 2], degree: usize, exact: &[&str], interface: &str) -> String {
+    let last = ["y", "z"][dimension - 2];
+    let mut text = format!(
+        "[model]\nphysics = \"elasticity\"\ndimension = {dimension}\nexact = {{ u = {exact:?} }}\n[discretization]\ndegree = {degree}\n\
+         [[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\n"
+    );
+    let ridge = [0.0, h, 0.0];
+    for (k, (name, [low, high], n)) in [("a", [[-1.0; 3], ridge], [2, 2, 3]), ("b", [ridge, [2.0; 3]], [3, 2, 2])].into_iter().enumerate() {
+        let depth: &[f64] = if dimension == 2 { &[0.0] } else { &[0.0, 1.0] };
+        let at = |x: usize, y: f64, z: f64| if dimension == 2 { vec![x as f64, z] } else { vec![x as f64, y, z] };
+        let layer = |heights: [f64; 3]| depth.iter().flat_map(move |&y| (0..3).map(move |x| at(x, y, heights[x]))).collect::<Vec<_>>();
+        let points: Vec<Vec<f64>> = layer(low).into_iter().chain(layer(high)).collect();
+        let knots: Vec<Vec<f64>> =
+            std::iter::once(vec![0.0, 0.0, 1.0, 2.0, 2.0]).chain((1..dimension).map(|_| vec![0.0, 0.0, 1.0, 1.0])).collect();
+        let elements = if dimension == 2 { vec![n[0], n[2]] } else { n.to_vec() };
+        text += &format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"nurbs\", degree = {:?}, knots = {knots:?}, points = {points:?} }}\n\
+             elements = {elements:?}\n{}\n",
+            vec![1; dimension],
+            kinds[k]
+        );
+    }
+    let sides: &[&str] = if dimension == 2 { &["left", "right"] } else { &["left", "right", "front", "back"] };
+    let all: Vec<String> = ["a", "b"].iter().flat_map(|b| sides.iter().map(move |s| format!("{b}.{s}"))).collect();
+    text + &format!(
+        "[[boundary]]\non = [\"a.bottom\", \"b.top\"]\ndirichlet = \"exact\"\n[[boundary]]\non = {all:?}\nneumann = \"exact\"\n"
+    ) + &interface.replace("HEIGHT", last)
+}
+
+fn run(text: &str) -> RunResult {
+    let case = Case::parse("case.toml", text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"))
+}
+
+fn kinds(slave: &'static str, dimension: usize) -> [&'static str; 2] {
+    // the plane has no simplices that are solids' faces: triangles
+    [if dimension == 2 { BACKENDS[0] } else { BACKENDS[1] }, slave]
+}
+
+#[test]
+fn constant_stress_is_tied_round_a_ridge() {
+    for dimension in [2, 3] {
+        for (backend, degree) in BACKENDS.iter().flat_map(|b| [1, 2].map(|p| (*b, p))) {
+            for multiplier in ["auto", "p/p", "constant", "dual"] {
+                if multiplier == "dual" && dimension == 3 && degree == 2 && backend == BACKENDS[2] {
+                    // quadratic functions of triangles have none
+                    continue;
+                }
+                let exact = if dimension == 2 { vec!["x", "0"] } else { vec!["x", "0", "0"] };
+                let tie = format!("[[interface]]\nname = \"t\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\nmultiplier = \"{multiplier}\"\n");
+                let result = run(&roof(dimension, 1.0, kinds(backend, dimension), degree, &exact, &tie));
+                let off = *result.errors.get("error.u.L2").unwrap();
+                assert!(off < 1e-9, "{dimension}D {backend}, degree {degree}, {multiplier}: {off:e}");
+            }
+        }
+    }
+}
+
+/// Pressure 1 on one half, 0.3 on the other.
+#[test]
+fn bodies_press_each_other_round_a_ridge() {
+    for dimension in [2, 3] {
+        for (backend, degree) in BACKENDS.iter().flat_map(|b| [1, 2].map(|p| (*b, p))) {
+            for method in ["lagrange", "penalty", "nitsche"] {
+                let h = ["y", "z"][dimension - 2];
+                let [across, along] = [format!("-0.65*x + 0.35*{h}"), format!("0.35*x - 0.65*{h}")];
+                let exact = if dimension == 2 { vec![&*across, &along] } else { vec![&*across, "0", &along] };
+                let contact = format!("[[contact]]\nname = \"t\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\nmethod = \"{method}\"\n");
+                let contact = if method == "penalty" { contact + "factor = 1e7\n" } else { contact };
+                let result = run(&roof(dimension, 1.0, kinds(backend, dimension), degree, &exact, &contact));
+                let off = *result.errors.get("error.u.L2").unwrap();
+                let wanted = if method == "penalty" { 1e-6 } else { 1e-9 };
+                assert!(off < wanted, "{dimension}D {backend}, degree {degree}, {method}: {off:e}");
+                let pressure = &result.contact["t"];
+                assert!((pressure.pressure.max - 1.0).abs() < 1e3 * wanted, "{dimension}D {backend}, {degree}, {method}: {pressure:?}");
+            }
+        }
+    }
+}
+
+/// Sides that coincide are joined and raise no word, although facets of a shallow roof might stand for a curved surface.
+#[test]
+fn shallow_roofs_that_coincide_touch() {
+    for dimension in [2, 3] {
+        for height in [0.02, 0.1, 0.3] {
+            for kind in [BACKENDS[1], BACKENDS[2]] {
+                let exact = if dimension == 2 { vec!["x", "0"] } else { vec!["x", "0", "0"] };
+                for how in ["between = \"all\"", "slave = \"b.bottom\"\nmaster = \"a.top\""] {
+                    let tie = format!("[[interface]]\nname = \"t\"\n{how}\n");
+                    let result = run(&roof(dimension, height, [BACKENDS[1], kind], 1, &exact, &tie));
+                    let off = *result.errors.get("error.u.L2").unwrap();
+                    // ridges below 5 degrees are no kinks
+                    assert!(off < if height < 0.05 { 1e-4 } else { 1e-9 }, "{dimension}D {height} {kind} {how}: {off:e}");
+                    assert!(result.warnings.iter().all(|w| w.code != "E023"), "{dimension}D {height} {kind} {how}: {:?}", result.warnings);
+                }
+            }
+        }
+    }
+}
+
+/// A side round a corner on a list of masters, one on each side of it.
+#[test]
+fn a_kinked_slave_is_tied_to_a_list_of_masters() {
+    for (degrees, coupling) in [60.0, 89.0, 91.0, 120.0f64].into_iter().flat_map(|d| ["mortar", "nitsche", "penalty"].map(|c| (d, c))) {
+        // the corner at (1, 1), its sides down to y at x = 0 and 2
+        let y = 1.0 - (0.5 * degrees.to_radians()).tan();
+        let patch = |name: &str, points: String, knots: &str, n: [usize; 2]| {
+            format!(
+                "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"nurbs\", degree = [1, 1], knots = [[{knots}], [0, 0, 1, 1]], \
+                 points = [{points}] }}\nelements = {n:?}\n"
+            )
+        };
+        let text = "[model]\nphysics = \"elasticity\"\ndimension = 2\nexact = { u = [\"x\", \"0.5*y\"] }\n[discretization]\ndegree = 2\n\
+                    [[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\n"
+            .to_owned()
+            + &patch("p", format!("[0, {0}], [1, {0}], [2, {0}], [0, {y}], [1, 1], [2, {y}]", y - 1.0), "0, 0, 1, 2, 2", [3, 2])
+            + &patch("a", format!("[0, {y}], [1, 1], [0, 2], [1, 2]"), "0, 0, 1, 1", [2, 2])
+            + &patch("b", format!("[1, 1], [2, {y}], [1, 2], [2, 2]"), "0, 0, 1, 1", [4, 2])
+            + "[[boundary]]\non = [\"p.v0\", \"a.v1\", \"b.v1\"]\ndirichlet = \"exact\"\n\
+               [[boundary]]\non = [\"p.u0\", \"p.u1\", \"a.u0\", \"b.u1\"]\nneumann = \"exact\"\n\
+               [[interface]]\nname = \"ab\"\nslave = \"a.u1\"\nmaster = \"b.u0\"\n"
+            + &format!("[[interface]]\nname = \"c\"\nslave = \"p.v1\"\nmaster = [\"a.v0\", \"b.v0\"]\ncoupling = \"{coupling}\"\n")
+            + if coupling == "penalty" { "factor = 1e7\n" } else { "" };
+        let off = *run(&text).errors.get("error.u.L2").unwrap();
+        assert!(off < if coupling == "penalty" { 1e-5 } else { 1e-9 }, "{degrees} {coupling}: {off:e}");
+    }
+}

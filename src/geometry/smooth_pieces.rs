@@ -1,0 +1,166 @@
+//! Pieces of a side between its kinks: faces of elements, corners in the plane, where the normal jumps.
+//!
+//! With n and m the unit normals of two elements beside the middle of their common face, the face turns if |n - m| > 1e-2, which is 0.6 degrees.
+//!
+//! Facets that stand for one smooth surface turn at their faces, too. They are told from the faces of a body by what lies between: elements that no
+//! turning face parts make a plane (or a smooth surface) if two of them have a common face that meets no turning one. Where two such planes meet at
+//! more than 5 degrees their edge is a kink; a chain of facets has no planes.
+
+use super::{Bounds, Geometry, MapTable, Tree, cell, unit_normal};
+use crate::basis::Order;
+use crate::linalg::{Real, Union, Vector, lit};
+use crate::parallel;
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// Distance of unit normals from which on a face turns: 0.6 degrees.
+const TURNING: f64 = 1e-2;
+/// Distance of unit normals from which on the edge of two planes is a kink: 5 degrees.
+const KINK: f64 = 0.0872;
+/// Normals are compared this share of the way from the middle of the face to the centres of both elements, since maps may be singular there.
+const INSIDE: f64 = 1e-6;
+/// Corners nearer than this share of an element are one vertex.
+const SAME_VERTEX: f64 = 1e-7;
+
+/// Faces of elements that part the pieces of a side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kinks {
+    /// All that turn: for maps that are the surface itself.
+    All,
+    /// Edges of planes: for facets that may stand for a smooth surface.
+    OfPlanes,
+}
+
+/// A face of two elements.
+struct Joint<const N: usize, T: Real> {
+    elements: [usize; 2],
+    vertices: Vec<usize>,
+    /// Distance of the normals.
+    turn: T,
+}
+
+/// The elements of every piece of `side` between its kinks, ascending; `outward` as of a [trace](crate::space::Trace). One piece where there are no
+/// kinks, even if elements are apart.
+pub fn smooth_pieces<const D: usize, const N: usize, T: Real, G>(side: &G, outward: &[T], kinks: Kinks) -> Vec<Vec<usize>>
+where
+    G: Geometry<D, N, T> + ?Sized,
+{
+    let whole = || vec![(0..side.num_elements()).collect()];
+    let joints = joints(side, outward);
+    if joints.iter().all(|j| j.turn <= lit(TURNING)) {
+        return whole();
+    }
+    let regions = FlatRegions::of(side.num_elements(), &joints);
+    let is_kink = |joint: &&Joint<N, T>| match kinks {
+        Kinks::All => joint.turn > lit(TURNING),
+        Kinks::OfPlanes => joint.turn > lit(KINK) && regions.is_edge(joint.elements),
+    };
+    if !joints.iter().any(|j| is_kink(&j)) {
+        return whole();
+    }
+    let mut sets = Union::new(side.num_elements());
+    joints.iter().filter(|j| !is_kink(j)).for_each(|j| sets.unite(j.elements[0], j.elements[1]));
+    let (number, count) = sets.numbers();
+    let mut pieces = vec![Vec::new(); count];
+    number.into_iter().enumerate().for_each(|(e, k)| pieces[k].push(e));
+    pieces
+}
+
+/// Elements that no turning face parts.
+struct FlatRegions {
+    of: Vec<usize>,
+    /// Whether two elements have a common face away from all turning ones.
+    is_plane: Vec<bool>,
+}
+
+impl FlatRegions {
+    fn of<const N: usize, T: Real>(elements: usize, joints: &[Joint<N, T>]) -> Self {
+        let turning: HashSet<usize> = joints.iter().filter(|j| j.turn > lit(TURNING)).flat_map(|j| j.vertices.iter().copied()).collect();
+        let mut sets = Union::new(elements);
+        let flat = || joints.iter().filter(|j| j.turn <= lit(TURNING));
+        flat().for_each(|j| sets.unite(j.elements[0], j.elements[1]));
+        let (of, count) = sets.numbers();
+        let mut is_plane = vec![false; count];
+        flat().filter(|j| j.vertices.iter().all(|v| !turning.contains(v))).for_each(|j| is_plane[of[j.elements[0]]] = true);
+        Self { of, is_plane }
+    }
+
+    /// Whether both elements are those of planes, and of different ones.
+    fn is_edge(&self, [a, b]: [usize; 2]) -> bool {
+        self.of[a] != self.of[b] && [a, b].iter().all(|&e| self.is_plane[self.of[e]])
+    }
+}
+
+/// The faces of two elements with the turn of their normals; none where a face has collapsed.
+fn joints<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized>(side: &G, outward: &[T]) -> Vec<Joint<N, T>> {
+    // places of the corners, the size, and the normals at the faces
+    let elements: Vec<(Vec<Vector<N, T>>, T, Vec<Vector<N, T>>)> = parallel::map_init(side.num_elements(), MapTable::new, |table, e| {
+        let kind = side.cell(e);
+        let center = cell::center::<D, T>(kind);
+        side.map(e, &cell::corners::<D, T>(kind), Order::Values, table);
+        let corners = table.x.clone();
+        let size = Bounds::around(&corners).map_or_else(T::zero, |b| b.diagonal());
+        let inside: Vec<_> = cell::faces::<D, T>(kind).iter().map(|f| f.center + (center - f.center) * lit::<T>(INSIDE)).collect();
+        side.map(e, &inside, Order::Gradients, table);
+        (corners, size, table.jacobian.iter().map(|j| unit_normal(j, outward[e])).collect())
+    });
+    let places: Vec<(usize, Vector<N, T>)> = elements.iter().enumerate().flat_map(|(e, of)| of.0.iter().map(move |x| (e, *x))).collect();
+    let tree = Tree::new(places.iter().map(|(_, x)| Bounds { lo: *x, hi: *x }).collect());
+    let vertices = parallel::map(places.len(), |i| {
+        let (e, x) = places[i];
+        let here = Bounds { lo: x, hi: x }.inflated(elements[e].1 * lit(SAME_VERTEX));
+        tree.meeting(&here).into_iter().min().unwrap_or(i)
+    });
+    let (mut first, mut open) = (0, HashMap::<Vec<usize>, (usize, Vector<N, T>)>::new());
+    let mut found = BTreeMap::new();
+    for (e, (corners, _, normals)) in elements.iter().enumerate() {
+        for (face, &normal) in cell::faces::<D, T>(side.cell(e)).iter().zip(normals) {
+            let mut own: Vec<usize> = face.corners.iter().map(|&c| vertices[first + c]).collect();
+            own.sort_unstable();
+            if own.windows(2).any(|w| w[0] == w[1]) {
+                continue;
+            }
+            let Some((other, there)) = open.insert(own.clone(), (e, normal)) else { continue };
+            found.insert((e, other, own.clone()), Joint { elements: [other, e], vertices: own, turn: (normal - there).norm() });
+        }
+        first += corners.len();
+    }
+    found.into_values().collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::basis::BSpline;
+    use crate::geometry::ControlPoints;
+
+    fn pieces(points: Vec<[f64; 2]>, kinks: Kinks) -> Vec<Vec<usize>> {
+        let line = ControlPoints {
+            basis: BSpline::uniform(1, points.len() - 1, 0),
+            points: points.into_iter().map(|[x, y]| Vector::<2>::new(x, y)).collect(),
+        };
+        let n = line.points.len() - 1;
+        smooth_pieces(&line, &vec![1.0; n], kinks)
+    }
+
+    #[test]
+    fn planes_of_two_segments_meet_in_kinks() {
+        let roof = |height: f64| (0..=4i32).map(|k| [f64::from(k), height * f64::from(2 - (k - 2).abs())]).collect::<Vec<_>>();
+        // turns of 90, 22.6 and 1.1 degrees
+        assert_eq!(pieces(roof(1.0), Kinks::OfPlanes), [vec![0, 1], vec![2, 3]]);
+        assert_eq!(pieces(roof(0.2), Kinks::OfPlanes), [vec![0, 1], vec![2, 3]]);
+        assert_eq!(pieces(roof(0.01), Kinks::OfPlanes).len(), 1);
+        assert_eq!(pieces(roof(0.01), Kinks::All).len(), 2);
+    }
+
+    #[test]
+    fn chords_of_a_circle_have_none() {
+        for n in [3, 8, 100] {
+            let at = |k: usize| [(k as f64 / n as f64).cos(), (k as f64 / n as f64).sin()];
+            let chords: Vec<[f64; 2]> = (0..=n).map(at).collect();
+            assert_eq!(pieces(chords, Kinks::OfPlanes).len(), 1);
+        }
+        // a bend of one segment between two planes
+        let bend = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.7, 0.7], [2.7, 1.7], [2.7, 2.7]];
+        assert_eq!(pieces(bend, Kinks::OfPlanes).len(), 1);
+    }
+}
