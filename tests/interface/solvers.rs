@@ -411,6 +411,41 @@ fn active_sets_keep_the_contract_of_contact_solvers() {
     assert!(refused.contains("contact row"), "{refused}");
 }
 
+/// A soft row whose unknowns are all prescribed keeps entries of rounding only: lambda = g / s, whatever their size.
+#[test]
+fn soft_rows_of_rounding_keep_their_multiplier() {
+    let mut k = Triplets::new(3, 3);
+    for i in 0..3 {
+        k.push(i, i, 2e5);
+        if i > 0 {
+            k.push(i, i - 1, -1e5);
+            k.push(i - 1, i, -1e5);
+        }
+    }
+    let stiffness = k.to_csr();
+    for rounding in [1e-6, 1e-12, 1e-18, 1e-24, 1e-30] {
+        let rows = |factor: f64| {
+            let mut rows = Triplets::new(3, 3);
+            [(0, 0, 1.0), (1, 1, rounding), (1, 2, -0.7 * rounding), (2, 2, 0.3)].iter().for_each(|&(i, j, v)| rows.push(i, j, factor * v));
+            Rows { slave: rows, master: Triplets::new(3, 3) }
+        };
+        for reaction in [None, Some(rows(1.0)), Some(rows(0.9))] {
+            let system = ConstrainedSystem {
+                stiffness: &stiffness,
+                load: &[0.0; 3],
+                constraint: &rows(1.0),
+                reaction: reaction.as_ref(),
+                offset: &[-1e-3, -2e-4, -1e-3],
+                kind: &[RowKind::Contact; 3],
+                compliance: &[1e-6; 3],
+            };
+            let solution = ActiveSet::new(Direct::new()).solve(&system).unwrap();
+            let off = (solution.multipliers[1] / -200.0 - 1.0).abs();
+            assert!(off < 1e-5 && solution.residual < 1e-12, "{rounding:e}: {:?}", solution.multipliers);
+        }
+    }
+}
+
 #[test]
 fn a_circle_of_states_is_left_by_single_exchanges() {
     let (stiffness, load, constraint, kind) = circle();
