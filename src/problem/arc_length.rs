@@ -1,10 +1,12 @@
 //! Arc length along a side that is a chain of curves.
 
+use super::model::BodySide;
 use crate::basis::Order;
 use crate::coupling::interface::Chain;
 use crate::geometry::{Geometry, MapTable};
 use crate::linalg::Vector;
 use crate::quadrature::{Rule, gauss_legendre};
+use std::collections::HashMap;
 
 /// Gauss points per stretch.
 const POINTS: usize = 8;
@@ -46,6 +48,24 @@ impl<'a, const N: usize> ArcLength<'a, N> {
             out.walk.push(e);
         }
         out
+    }
+
+    /// Arc length along a side; along the whole one for a piece of it between kinks.
+    pub fn of_side(side: &'a BodySide<1, N>) -> Self {
+        let mut own = Self::new(&*side.trace.space);
+        let Some(whole) = &side.whole else { return own };
+        let all = Self::new(&*whole.trace.space);
+        let mut elements: HashMap<usize, Vec<usize>> = HashMap::new();
+        whole.trace.facets.iter().enumerate().for_each(|(e, facet)| elements.entry(facet.element).or_default().push(e));
+        let mut place = HashMap::new();
+        for (e, facet) in side.trace.facets.iter().enumerate() {
+            let there = elements.get(&facet.element).and_then(|list| list.iter().find(|&&w| whole.trace.facets[w] == *facet));
+            let Some(&w) = there else { return own };
+            (own.start[e], own.reversed[e]) = (all.start[w], all.reversed[w]);
+            place.insert(w, e);
+        }
+        own.walk = all.walk.iter().filter_map(|w| place.get(w).copied()).collect();
+        own
     }
 
     /// Length of element `e` from its local start to `xi`.

@@ -114,7 +114,7 @@ impl Solution<1, 2> {
             InterfaceId::Tie(tie) => model.ties[tie.number]
                 .parts
                 .get(side)
-                .map(|part| tie_along(state, [tie.number, side], Some(&ArcLength::new(&*part.slave.trace.space)))),
+                .map(|part| tie_along(state, [tie.number, side], Some(&ArcLength::of_side(&part.slave)))),
             InterfaceId::Contact(contact) => model.contacts[contact.number].parts.get(side).map(|part| {
                 let faced = || -> Box<dyn Obstacle<1, 2>> {
                     match &part.against {
@@ -122,7 +122,7 @@ impl Solution<1, 2> {
                         Opposing::Rigid(obstacle, ..) => obstacle.target(state.state().t, Some(&state.state().u)),
                     }
                 };
-                contact_along(state, [contact.number, side], &faced, Some(&ArcLength::new(&*part.slave.trace.space)))
+                contact_along(state, [contact.number, side], &faced, Some(&ArcLength::of_side(&part.slave)))
             }),
         })
     }

@@ -190,22 +190,10 @@ pub enum SidePart {
     Surface(Part<'static, 2, 3>),
 }
 
-impl SidePart {
-    /// The side as `interface_NAME.vtu`.
-    ///
-    /// # Errors
-    /// As [`vtu::write`].
-    pub fn vtu(&self) -> Result<Vec<u8>, VtuError> {
-        match self {
-            Self::Curve(part) => vtu::write(std::slice::from_ref(part)),
-            Self::Surface(part) => vtu::write(std::slice::from_ref(part)),
-        }
-    }
-}
-
 /// An interface or a contact as its files show it.
 pub struct SideOutput {
-    /// Name in its files: that of the interface or contact, with the number of the side where there are several.
+    /// Name in its files: that of the interface or contact, with the number of the side where there are several; pieces of one side between its
+    /// kinks follow each other and have one name.
     pub name: String,
     /// Name of the interface or contact, whose sides one picture shows.
     pub of: String,
@@ -221,6 +209,32 @@ pub struct SideOutput {
     pub rows: Vec<InterfaceRow>,
     /// The exact multiplier of a curve for its picture, of the interface or contact itself, or from the exact solution of the model.
     pub exact: Option<ExactAlong>,
+}
+
+impl SideOutput {
+    /// The pieces of a side as `interface_NAME.vtu`.
+    ///
+    /// # Errors
+    /// As [`vtu::write`].
+    pub fn vtu(pieces: &[Self]) -> Result<Vec<u8>, VtuError> {
+        let (mut curves, mut surfaces) = (Vec::new(), Vec::new());
+        for piece in pieces {
+            match &piece.part {
+                SidePart::Curve(part) => curves.push(part),
+                SidePart::Surface(part) => surfaces.push(part),
+            }
+        }
+        if curves.is_empty() { vtu::write(&surfaces) } else { vtu::write(&curves) }
+    }
+
+    /// The table of a side: the rows of its pieces, of curves along the side.
+    pub fn table(pieces: &[Self]) -> Vec<InterfaceRow> {
+        let mut rows: Vec<InterfaceRow> = pieces.iter().flat_map(|piece| piece.rows.iter().cloned()).collect();
+        if pieces.len() > 1 {
+            rows.sort_by(|a, b| a.s.partial_cmp(&b.s).unwrap_or(std::cmp::Ordering::Equal));
+        }
+        rows
+    }
 }
 
 impl std::fmt::Debug for SideOutput {

@@ -20,13 +20,18 @@ pub struct OutputFile {
 /// The names of the `.vtu` files of an output, without number and ending: the fields, then the sides.
 pub fn stems(output: &Output) -> Vec<String> {
     let fields = (!output.parts.is_empty()).then(|| "fields".to_owned());
-    fields.into_iter().chain(output.sides.iter().map(|s| format!("interface_{}", s.name))).collect()
+    fields.into_iter().chain(pieces(&output.sides).map(|side| format!("interface_{}", side[0].name))).collect()
 }
 
 /// The contents of the `.vtu` files, in the order of [`stems`].
 pub fn vtus(output: &Output) -> impl Iterator<Item = Result<Vec<u8>, String>> {
     let fields = (!output.parts.is_empty()).then(|| output.parts.vtu().map_err(|e| e.to_string()));
-    fields.into_iter().chain(output.sides.iter().map(|s| s.part.vtu().map_err(|e| e.to_string())))
+    fields.into_iter().chain(pieces(&output.sides).map(|side| SideOutput::vtu(side).map_err(|e| e.to_string())))
+}
+
+/// The pieces of every side.
+fn pieces(sides: &[SideOutput]) -> impl Iterator<Item = &[SideOutput]> {
+    sides.chunk_by(|a, b| a.name == b.name)
 }
 
 /// The name of a file of a step.
@@ -51,12 +56,12 @@ pub fn of(output: &Output, with_vtu: bool, with_pictures: bool, trouble: &mut Di
         add("fields.svg".to_owned(), made.map(String::into_bytes).map_err(|e| e.to_string()));
     }
     for sides in output.sides.chunk_by(|a, b| a.of == b.of) {
-        for side in sides {
-            let name = |end: &str| format!("interface_{}.{end}", side.name);
+        for side in pieces(sides) {
+            let name = |end: &str| format!("interface_{}.{end}", side[0].name);
             if with_vtu {
-                add(name("vtu"), side.part.vtu().map_err(|e| e.to_string()));
+                add(name("vtu"), SideOutput::vtu(side).map_err(|e| e.to_string()));
             }
-            add(name("csv"), Ok(table::interface_csv(&side.rows).into_bytes()));
+            add(name("csv"), Ok(table::interface_csv(&SideOutput::table(side)).into_bytes()));
         }
         if with_pictures {
             let made = picture(output, sides).map(String::into_bytes).map_err(|e| e.to_string());

@@ -9,7 +9,7 @@ use crate::quantities::FieldAbout;
 use crate::table::InterfaceRow;
 use faying::linalg::Vector;
 use faying::physics::von_mises;
-use faying::problem::{BodyId, Extreme, InterfaceId, InterfaceView, PointState, SideField, SidePoint};
+use faying::problem::{BodyId, Extreme, InterfaceId, InterfaceView, PointState, SideField, SidePoint, SlaveSide};
 use faying::space::Space;
 use faying_files::vtu::{CellStyle, Part};
 use std::sync::Arc;
@@ -207,6 +207,18 @@ fn side_cells(options: &RunOptions) -> CellStyle {
     }
 }
 
+/// The place of a slave side among those that are shown, pieces of one side together, and that of the piece in the side; `None` for a side without
+/// pieces.
+fn place<const S: usize, const N: usize>(sides: &[SlaveSide<'_, S, N>], number: usize) -> (usize, Option<usize>) {
+    let mut groups = sides.chunk_by(|a, b| a.number() == b.number()).enumerate().scan(0, |first, (place, group)| {
+        let range = *first..*first + group.len();
+        *first = range.end;
+        Some((place, range))
+    });
+    let (place, range) = groups.find(|(_, range)| range.contains(&number)).expect("a side of the interface");
+    (place, (range.len() > 1).then(|| number - range.start))
+}
+
 /// The fields of a slave side, and what makes its output of them.
 fn side_output<const S: usize, const N: usize>(
     solved: &Arc<Solved<S, N>>,
@@ -216,13 +228,16 @@ fn side_output<const S: usize, const N: usize>(
     options: &RunOptions,
 ) -> (Part<'static, S, N>, impl FnOnce(SidePart) -> SideOutput + use<S, N>) {
     let (sides, contact) = (of.sides(), matches!(of.id(), InterfaceId::Contact(_)));
-    let name = if sides.len() == 1 { of.name().to_owned() } else { format!("{}.{number}", of.name()) };
+    let (place, piece) = place(&sides, number);
+    let alone = sides.iter().all(|side| side.number() == sides[0].number());
+    let name = if alone { of.name().to_owned() } else { format!("{}.{place}", of.name()) };
     let show = |ask: fn(&SideField<S, N>, usize, &[Vector<S>]) -> Vec<f64>| {
         let field = Arc::clone(field);
         move |element: usize, xi: &[Vector<S>]| ask(&field, element, xi)
     };
     let components = solved.solution.contents().components();
-    let mut part = Part::new(name.clone(), Arc::clone(&sides[number].side().trace().space), side_cells(options));
+    let part_name = piece.map_or_else(|| name.clone(), |piece| format!("{name}.{piece}"));
+    let mut part = Part::new(part_name, Arc::clone(&sides[number].side().trace().space), side_cells(options));
     part.least_degree = field.degree();
     part = part
         .with("lambda", if contact { 1 } else { components }, show(SideField::lambda))

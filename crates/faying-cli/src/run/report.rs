@@ -177,14 +177,20 @@ fn tied<const S: usize, const N: usize>(tie: &InterfaceView<'_, S, N>, component
         InterfaceReport { force: vec![0.0; components], moment: moment::<N>([0.0; 3]), segments, ..InterfaceReport::default() };
     let mut whole = 0.0;
     let mut covered = 0.0;
-    for slave in tie.sides() {
-        whole += slave.pairs().first().map_or(0.0, PairView::slave_measure);
-        for pair in slave.pairs() {
+    // pieces of one side between its kinks are one
+    for pieces in tie.sides().chunk_by(|a, b| a.number() == b.number()) {
+        let first = report.sides.len();
+        let measure: f64 = pieces.iter().map(|piece| piece.pairs().first().map_or(0.0, PairView::slave_measure)).sum();
+        whole += measure;
+        for pair in pieces.iter().flat_map(|piece| piece.pairs()) {
             covered += pair.covered();
             report.distance = report.distance.max(pair.distance());
-            let share = if pair.slave_measure() > 0.0 { pair.covered() / pair.slave_measure() } else { 0.0 };
-            let (slave, master) = (slave.side().label().to_owned(), pair.master().label().to_owned());
-            report.sides.push(TiedSides { slave, master, distance: pair.distance(), share });
+            let share = if measure > 0.0 { pair.covered() / measure } else { 0.0 };
+            let (slave, master) = (pieces[0].side().label().to_owned(), pair.master().label().to_owned());
+            match report.sides[first..].iter_mut().find(|known| known.master == master) {
+                Some(known) => (known.distance, known.share) = (known.distance.max(pair.distance()), known.share + share),
+                None => report.sides.push(TiedSides { slave, master, distance: pair.distance(), share }),
+            }
         }
     }
     report.share = if whole > 0.0 { covered / whole } else { 0.0 };

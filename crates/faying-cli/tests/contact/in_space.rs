@@ -3,7 +3,7 @@
 use crate::common::pressed::kkt;
 use faying_cli::case::ReadOptions;
 use faying_cli::run::{check, run as run_case};
-use faying_cli::{Case, Registry, RunControl, RunOptions, RunResult, SidePart};
+use faying_cli::{Case, Registry, RunControl, RunOptions, RunResult, SideOutput, SidePart};
 
 /// A block whose bottom touches z = 0; its sides x = 0 and y = 0 are symmetry planes, its top is pressed.
 const BLOCK: &str = "[model]\nphysics = \"elasticity\"\ndimension = 3\n[discretization]\nbackend = \"iga\"\ndegree = 2\n\
@@ -171,7 +171,7 @@ fn files_show_the_side_without_an_arc_length() {
     let value = |k: usize| (part.fields[k].sample)(4, &middle);
     assert!((value(0)[0] + 1e-3).abs() < 1e-15 && value(1)[0].abs() < 1e-15 && value(2) == [1.0]);
     assert!((value(3)[2] - 1e-3).abs() < 1e-15 && value(4) == [0.0, 0.0, 1.0] && (value(5)[0] - 1e-3).abs() < 1e-15);
-    assert!(!side.part.vtu().unwrap().is_empty());
+    assert!(!SideOutput::vtu(&output.sides).unwrap().is_empty());
 }
 
 /// `half_width` is one of the plane, and says so.

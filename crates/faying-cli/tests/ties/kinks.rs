@@ -3,7 +3,7 @@
 //! Tractions of a state of constant stress jump in the ridge; multipliers hold them as those of the halves do.
 
 use faying_cli::case::ReadOptions;
-use faying_cli::{Case, Registry, RunResult};
+use faying_cli::{Case, Registry, RunControl, RunOptions, RunResult, SideOutput};
 
 const BACKENDS: [&str; 3] = ["backend = \"iga\"", "backend = \"fe\"", "backend = \"fe\"\ncells = \"simplex\""];
 
@@ -133,5 +133,44 @@ fn a_kinked_slave_is_tied_to_a_list_of_masters() {
             + if coupling == "penalty" { "factor = 1e7\n" } else { "" };
         let off = *run(&text).errors.get("error.u.L2").unwrap();
         assert!(off < if coupling == "penalty" { 1e-5 } else { 1e-9 }, "{degrees} {coupling}: {off:e}");
+    }
+}
+
+/// Files and numbers show the side as one: along its whole length, with one share per master.
+#[test]
+fn pieces_of_a_side_are_shown_as_the_side() {
+    for (dimension, statement) in [(2, "interface"), (2, "contact"), (3, "interface"), (3, "contact")] {
+        let h = ["y", "z"][dimension - 2];
+        let [across, along] = [format!("-0.65*x + 0.35*{h}"), format!("0.35*x - 0.65*{h}")];
+        let exact = if dimension == 2 { vec![&*across, &along] } else { vec![&*across, "0", &along] };
+        let text = roof(
+            dimension,
+            1.0,
+            [BACKENDS[0]; 2],
+            2,
+            &exact,
+            &format!("[[{statement}]]\nname = \"t\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n"),
+        );
+        let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let finished = faying_cli::run::run(&case, &Registry::default(), &RunOptions::default(), &RunControl::default());
+        let output = finished.output.unwrap();
+        assert!(output.sides.len() == 2 && output.sides.iter().all(|side| side.name == "t"), "{dimension}D {statement}");
+        let rows = SideOutput::table(&output.sides);
+        // constants on six elements, in space times two
+        assert_eq!(rows.len(), if dimension == 2 { 6 } else { 12 }, "{dimension}D {statement}");
+        for row in &rows {
+            assert!((row.x[dimension - 1] - (1.0 - (row.x[0] - 1.0).abs())).abs() < 1e-12, "{dimension}D {statement}: {row:?}");
+            if dimension == 2 {
+                assert!((row.s.unwrap() - std::f64::consts::SQRT_2 * row.x[0]).abs() < 1e-9, "{statement}: {row:?}");
+            }
+        }
+        assert!(rows.windows(2).all(|w| dimension == 3 || w[0].s < w[1].s), "{statement}");
+        let file = faying_files::vtu_read::parse(&SideOutput::vtu(&output.sides).unwrap(), &faying_files::Limits::default()).unwrap();
+        let ends = file.points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x[0]), b.max(x[0])]);
+        assert_eq!(ends, [0.0, 2.0], "{dimension}D {statement}");
+        if statement == "interface" {
+            let sides = &finished.result.interface["t"].sides;
+            assert!(sides.len() == 1 && (sides[0].share - 1.0).abs() < 1e-12, "{sides:?}");
+        }
     }
 }

@@ -42,6 +42,7 @@ use faying::linalg::Vector;
 use faying::space::Space;
 use file::{Grid, Kept};
 use piece::each_piece;
+use std::borrow::Borrow;
 use std::sync::Arc;
 
 pub use cells::MAX_DEGREE;
@@ -176,19 +177,20 @@ pub enum VtuError {
 ///
 /// # Errors
 /// [`VtuError`] if the parts do not fit together.
-pub fn write<const D: usize, const N: usize>(parts: &[Part<'_, D, N>]) -> Result<Vec<u8>, VtuError> {
+pub fn write<'a, const D: usize, const N: usize, P: Borrow<Part<'a, D, N>>>(parts: &[P]) -> Result<Vec<u8>, VtuError> {
+    let parts: Vec<&Part<'a, D, N>> = parts.iter().map(Borrow::borrow).collect();
     let names = |part: &Part<'_, D, N>| part.fields.iter().map(|f| format!("{}:{}", f.name, f.components)).collect::<Vec<_>>().join(", ");
     let averaged = parts.iter().any(|part| part.averaged && part.style != CellStyle::Bezier);
     let mut fields = Vec::new();
     if let Some(first) = parts.first() {
         let field = |f: &PointField<'_, D>| Kept { name: f.name.clone(), components: padded(f.components), averaged: averaged && !f.exact };
         fields = first.fields.iter().map(field).collect();
-        if let Some(odd) = parts.iter().find(|part| names(part) != names(first)) {
+        if let Some(odd) = parts.iter().copied().find(|part| names(part) != names(first)) {
             return Err(VtuError::Fields { part: odd.name.clone(), found: names(odd), expected: names(first) });
         }
     }
     let mut grid = Grid::new(fields);
-    for (number, part) in parts.iter().enumerate() {
+    for (number, part) in parts.into_iter().enumerate() {
         grid.begin(&part.name, part.space.num_elements());
         each_piece(part, averaged, |element, piece| grid.append(number, element, piece))?;
     }

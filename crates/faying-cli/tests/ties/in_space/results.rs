@@ -9,7 +9,7 @@ use faying_cli::case::ReadOptions;
 use faying_cli::plot::{self, FieldPlot, SurfaceQuantity};
 use faying_cli::run::run as run_case;
 use faying_cli::table::short;
-use faying_cli::{Case, Registry, RunControl, RunOptions, SidePart};
+use faying_cli::{Case, Registry, RunControl, RunOptions, SideOutput, SidePart};
 
 #[test]
 fn files_show_lambda_gap_traction_and_normal_of_the_side() {
@@ -42,7 +42,7 @@ fn files_show_lambda_gap_traction_and_normal_of_the_side() {
         }
         let text = faying_cli::table::interface_csv(&side.rows);
         assert!(text.starts_with("s,x,y,z,lambda.x,lambda.y,lambda.z,gap,active\n,"), "{text}");
-        assert!(!side.part.vtu().unwrap().is_empty());
+        assert!(!SideOutput::vtu(&output.sides).unwrap().is_empty());
         // lambda = sigma m on the normal m of the master: one number everywhere, as its normal part m . sigma m, and what is left of it
         let sigma = |i: usize, j: usize| mu * (gradient[i][j] + gradient[j][i]) + if i == j { first * trace } else { 0.0 };
         let m = (part.fields[4].sample)(0, &xi);
