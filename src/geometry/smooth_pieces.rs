@@ -4,7 +4,8 @@
 //!
 //! Facets that stand for one smooth surface turn at their faces, too. They are told from the faces of a body by what lies between: elements that no
 //! turning face parts make a plane (or a smooth surface) if two of them have a common face that meets no turning one. Where two such planes meet at
-//! more than 5 degrees their edge is a kink; a chain of facets has no planes.
+//! more than 5 degrees their edge is a kink; a chain of facets has no planes. Facets that meet at more
+//! than 50 degrees belong to different surfaces, be they planes or not.
 
 use super::{Bounds, Geometry, MapTable, Tree, cell, unit_normal};
 use crate::basis::Order;
@@ -16,6 +17,8 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 const TURNING: f64 = 1e-2;
 /// Distance of unit normals from which on the edge of two planes is a kink: 5 degrees.
 const KINK: f64 = 0.0872;
+/// Distance of unit normals from which on facets belong to different surfaces: 50 degrees.
+const SHARP: f64 = 0.845;
 /// Normals are compared this share of the way from the middle of the face to the centres of both elements, since maps may be singular there.
 const INSIDE: f64 = 1e-6;
 /// Corners nearer than this share of an element are one vertex.
@@ -28,6 +31,8 @@ pub enum Kinks {
     All,
     /// Edges of planes: for facets that may stand for a smooth surface.
     OfPlanes,
+    /// Edges of planes, and all of more than 50 degrees.
+    Sharp,
 }
 
 /// A face of two elements.
@@ -53,6 +58,7 @@ where
     let is_kink = |joint: &&Joint<N, T>| match kinks {
         Kinks::All => joint.turn > lit(TURNING),
         Kinks::OfPlanes => joint.turn > lit(KINK) && regions.is_edge(joint.elements),
+        Kinks::Sharp => joint.turn > lit(SHARP) || joint.turn > lit(KINK) && regions.is_edge(joint.elements),
     };
     if !joints.iter().any(|j| is_kink(&j)) {
         return whole();

@@ -15,7 +15,7 @@ use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
 use super::model::{BodySide, ContactModel, Model, TieModel};
 use super::obstacle::{ForceDriven, MovingObstacle};
-use super::smooth_pieces::places_of;
+use super::smooth_pieces::{are_pieces, places_of};
 use super::solved::Common;
 use super::tie_part::TieCounts;
 use super::touching::Search;
@@ -285,15 +285,22 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 
     /// Functions of the model that slave sides of contacts on different bodies share, or parts of one side whose multipliers are as rich as
-    /// the side: each would get two multipliers.
+    /// the side: each would get two multipliers. Pieces on both sides of a kink hold different normals, as many as a point has.
     fn seams(&self, model: &Model<S, N>) -> HashSet<usize> {
         let (mut first, mut shared) = (HashMap::<usize, &Arc<BodySide<S, N>>>::new(), HashSet::new());
         for contact in &self.contacts {
+            let mut sides = HashMap::<usize, usize>::new();
             for side in &contact.own.slaves {
-                for &dof in &side.trace.dofs {
-                    let function = model.function(side.patch, dof);
+                let mut own: Vec<usize> = side.trace.dofs.iter().map(|&dof| model.function(side.patch, dof)).collect();
+                own.sort_unstable();
+                own.dedup();
+                for function in own {
                     let other = *first.entry(function).or_insert(side);
-                    let parts = other.side == side.side && !Arc::ptr_eq(other, side) && contact.multiplier.lowers_ends(side);
+                    let count = sides.entry(function).or_default();
+                    *count += 1;
+                    let across_kink = are_pieces(other, side) && *count <= N;
+                    let parts =
+                        other.side == side.side && !Arc::ptr_eq(other, side) && contact.multiplier.lowers_ends(side) && !across_kink;
                     if other.patch != side.patch || parts {
                         shared.insert(function);
                     }

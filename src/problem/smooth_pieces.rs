@@ -48,16 +48,24 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         changed.then_some(own)
     }
 
-    /// The pieces of a slave side: facets of a refined mesh are judged by those that it was refined from.
+    /// The pieces of a slave side between sharp kinks, or where one of them is a single element, between those of planes.
     fn slave_pieces(&self, side: &Arc<BodySide<S, N>>) -> Vec<Arc<BodySide<S, N>>> {
+        let sharp = self.elements_between(side, Kinks::Sharp);
+        let is_fine = sharp.iter().all(|piece| piece.len() > 1);
+        self.parts(side, &if is_fine { sharp } else { self.elements_between(side, Kinks::OfPlanes) })
+    }
+
+    /// The elements of the pieces of a side: facets of a refined mesh are judged by those that it was refined from. One piece where a refined facet
+    /// is none of these.
+    fn elements_between(&self, side: &BodySide<S, N>, kinks: Kinks) -> Vec<Vec<usize>> {
         let (patch, space) = (&self.bodies[side.patch], &side.trace.space);
         let whole = patch.unrefined.as_ref().and_then(|body| body.trace(&side.side).ok());
         let Some(whole) = whole else {
-            return self.parts(side, &smooth_pieces(&**space, &side.trace.outward, Kinks::OfPlanes));
+            return smooth_pieces(&**space, &side.trace.outward, kinks);
         };
-        let pieces = smooth_pieces(&*whole.space, &whole.outward, Kinks::OfPlanes);
+        let (pieces, one) = (smooth_pieces(&*whole.space, &whole.outward, kinks), || vec![(0..space.num_elements()).collect()]);
         if pieces.len() == 1 {
-            return vec![side.clone()];
+            return one();
         }
         let mut of = vec![0; whole.facets.len()];
         pieces.iter().enumerate().for_each(|(k, piece)| piece.iter().for_each(|&e| of[e] = k));
@@ -65,11 +73,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let mut parts = vec![Vec::new(); pieces.len()];
         for e in 0..space.num_elements() {
             space.map(e, &[cell::center::<S, f64>(space.cell(e))], Order::Values, &mut map);
-            let Some(foot) = closest.project_within(&map.x[0], space.bounds(e).diagonal() * ON_FACET) else { return vec![side.clone()] };
+            let Some(foot) = closest.project_within(&map.x[0], space.bounds(e).diagonal() * ON_FACET) else { return one() };
             parts[of[foot.element]].push(e);
         }
         parts.retain(|part| !part.is_empty());
-        self.parts(side, &parts)
+        parts
     }
 
     /// The parts of a side with these elements; the side itself if it is one part, or a part has cells of several shapes.
@@ -97,12 +105,14 @@ fn follows_kinks<const S: usize, const N: usize>(multiplier: &Multiplier<S, N>) 
 pub(super) fn places_of<'a, const S: usize, const N: usize>(slaves: impl Iterator<Item = &'a Arc<BodySide<S, N>>>) -> Vec<usize> {
     let mut before: Option<(&Arc<BodySide<S, N>>, usize)> = None;
     let place = |slave: &'a Arc<BodySide<S, N>>| {
-        let place = before.map_or(0, |(other, place)| {
-            let same = other.whole.as_ref().zip(slave.whole.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b));
-            place + usize::from(!same)
-        });
+        let place = before.map_or(0, |(other, place)| place + usize::from(!are_pieces(other, slave)));
         before = Some((slave, place));
         place
     };
     slaves.map(place).collect()
+}
+
+/// Whether both are pieces of one side.
+pub(super) fn are_pieces<const S: usize, const N: usize>(a: &BodySide<S, N>, b: &BodySide<S, N>) -> bool {
+    a.whole.as_ref().zip(b.whole.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
 }

@@ -174,3 +174,75 @@ fn pieces_of_a_side_are_shown_as_the_side() {
         }
     }
 }
+
+/// A Gmsh mesh of [0, 3]^2 in squares of the size 1 / n, without those of [1, 2]^2, or these alone; `edge` is the group of the square's edges.
+fn squares(n: usize, is_inside: bool, edge: &str) -> String {
+    let id = |i: usize, j: usize| j * (3 * n + 1) + i + 1;
+    let mut used = std::collections::BTreeSet::new();
+    let mut elements = Vec::new();
+    for (i, j) in (0..3 * n).flat_map(|j| (0..3 * n).map(move |i| (i, j))) {
+        if ((n..2 * n).contains(&i) && (n..2 * n).contains(&j)) == is_inside {
+            let corners = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+            used.extend(corners);
+            elements.push((3, 1, corners.to_vec()));
+        }
+    }
+    for k in n..2 * n {
+        for (a, b) in [((k, n), (k + 1, n)), ((k, 2 * n), (k + 1, 2 * n)), ((n, k), (n, k + 1)), ((2 * n, k), (2 * n, k + 1))] {
+            elements.push((1, 2, vec![id(a.0, a.1), id(b.0, b.1)]));
+        }
+    }
+    for k in (0..3 * n).filter(|_| !is_inside) {
+        for (a, b) in [((k, 0), (k + 1, 0)), ((k, 3 * n), (k + 1, 3 * n)), ((0, k), (0, k + 1)), ((3 * n, k), (3 * n, k + 1))] {
+            elements.push((1, 3, vec![id(a.0, a.1), id(b.0, b.1)]));
+        }
+    }
+    let place = |id: usize| [((id - 1) % (3 * n + 1)) as f64 / n as f64, ((id - 1) / (3 * n + 1)) as f64 / n as f64];
+    let nodes: Vec<String> = used.iter().map(|&k| format!("{k} {:?} {:?} 0", place(k)[0], place(k)[1])).collect();
+    let lines = elements.iter().enumerate().map(|(k, (kind, group, ids))| {
+        let ids: Vec<String> = ids.iter().map(usize::to_string).collect();
+        format!("{} {kind} 2 {group} {group} {}", k + 1, ids.join(" "))
+    });
+    let lines: Vec<String> = lines.collect();
+    format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n2 1 \"all\"\n1 2 \"{edge}\"\n1 3 \"outer\"\n$EndPhysicalNames\n\
+         $Nodes\n{}\n{}\n$EndNodes\n$Elements\n{}\n{}\n$EndElements\n",
+        nodes.len(),
+        nodes.join("\n"),
+        lines.len(),
+        lines.join("\n")
+    )
+}
+
+/// A square in the square hole of a plate, whose walls are one side: walls of few elements, and of one that is refined.
+#[test]
+fn walls_of_a_hole_are_parts() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut missed = Vec::new();
+    for (walls, refine) in [(2, 0), (3, 0), (1, 1), (1, 2)] {
+        std::fs::write(folder.path().join("plate.msh"), squares(walls, false, "hole")).unwrap();
+        std::fs::write(folder.path().join("inside.msh"), squares(3, true, "rim")).unwrap();
+        for (degree, multiplier) in [1, 2].into_iter().flat_map(|p| ["auto", "p/p", "dual"].map(|m| (p, m))) {
+            for statement in ["interface", "contact"] {
+                let text = format!(
+                    "[model]\nphysics = \"elasticity\"\ndimension = 2\nexact = {{ u = [\"-0.005*x\", \"-0.005*y\"] }}\n\
+                     [discretization]\nbackend = \"fe\"\ndegree = {degree}\n[[material]]\nname = \"m\"\nyoung = 1\npoisson = 0.3\n\
+                     [[patch]]\nname = \"plate\"\ngeometry = {{ kind = \"file\", file = \"plate.msh\" }}\nrefine = {refine}\n\
+                     [[patch]]\nname = \"inside\"\ngeometry = {{ kind = \"file\", file = \"inside.msh\" }}\n\
+                     [[boundary]]\non = \"plate.outer\"\ndirichlet = \"exact\"\n\
+                     [[{statement}]]\nname = \"t\"\nslave = \"plate.hole\"\nmaster = \"inside.rim\"\nmultiplier = \"{multiplier}\"\n"
+                );
+                let path = folder.path().join("case.toml");
+                std::fs::write(&path, &text).unwrap();
+                let what = format!("{walls} refined {refine}, degree {degree}, {statement}, {multiplier}");
+                let case = Case::read_with(&path, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+                match case.run(&Registry::default()).map(|result| *result.errors.get("error.u.L2").unwrap()) {
+                    Ok(off) if off < 1e-9 => {}
+                    Ok(off) => missed.push(format!("{what}: {off:e}")),
+                    Err(fault) => missed.push(format!("{what}: {fault}")),
+                }
+            }
+        }
+    }
+    assert!(missed.is_empty(), "{}", missed.join("\n"));
+}
