@@ -80,6 +80,8 @@ pub(super) struct Reader<'a, 'b> {
     at: At,
     depth: usize,
     parts: [usize; 2],
+    /// Name of the instance of the part.
+    instance: String,
     assembly: bool,
     skipped: BTreeSet<String>,
 }
@@ -132,6 +134,7 @@ impl<'a, 'b> Reader<'a, 'b> {
             at: At::default(),
             depth: 0,
             parts: [0, 0],
+            instance: String::new(),
             assembly: false,
             skipped: BTreeSet::new(),
         }
@@ -234,6 +237,7 @@ impl<'a, 'b> Reader<'a, 'b> {
                     return Err(self.unsupported(format!("a file of several {what} (write it without parts and assemblies)")));
                 }
                 if of == 1 {
+                    word.value("NAME").unwrap_or_default().clone_into(&mut self.instance);
                     self.block = Block::Instance;
                 }
             }
@@ -369,6 +373,15 @@ impl<'a, 'b> Reader<'a, 'b> {
         }
     }
 
+    /// A member of a set or a surface without the name of its instance, `Block-1.12`.
+    fn member<'w>(&self, word: &'w str) -> &'w str {
+        let n = self.instance.len();
+        match word.split_at_checked(n) {
+            Some((instance, own)) if n > 0 && instance.eq_ignore_ascii_case(&self.instance) => own.strip_prefix('.').unwrap_or(word),
+            _ => word,
+        }
+    }
+
     fn members(&mut self, line: &str, of_nodes: bool, set: usize, generate: bool) -> Result<(), FileError> {
         let words: Vec<&str> = line.split(',').map(str::trim).filter(|w| !w.is_empty()).collect();
         let at = self.at;
@@ -386,6 +399,7 @@ impl<'a, 'b> Reader<'a, 'b> {
             return sets.add(set, Range { first, last, step, at }, &mut self.budget);
         }
         for word in words {
+            let word = self.member(word);
             let sets = if of_nodes { &mut self.found.node_sets } else { &mut self.found.element_sets };
             if word.bytes().all(|b| b.is_ascii_digit()) {
                 let id = self.number(word, "a member of a set")?;
@@ -409,6 +423,7 @@ impl<'a, 'b> Reader<'a, 'b> {
         let [of, label] = words[..] else {
             return Err(self.broken("a line of a surface has an element or a set of elements, and a face: S1, S2, ..."));
         };
+        let of = self.member(of);
         let face = label.strip_prefix(['S', 's']).and_then(|n| n.parse::<usize>().ok()).filter(|n| (1..=6).contains(n));
         let face = face.ok_or_else(|| self.unsupported(format!("face {} of a surface (S1 to S6 are read)", shown(label.as_bytes()))))?;
         let (set, element) = if of.bytes().all(|b| b.is_ascii_digit()) {

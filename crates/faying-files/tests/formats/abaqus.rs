@@ -172,6 +172,22 @@ fn files_are_included_where_they_are_named() {
     assert_eq!(found, faying_files::Contents::Mesh(read(PLANE)));
 }
 
+#[test]
+fn members_may_be_named_with_the_instance_of_their_part() {
+    let own = "*NSET, NSET=two\n11, 13\n*SURFACE, NAME=lower\n1, S1\n*SURFACE, NAME=all\nsolids, S1\n";
+    let named = own.replace("11, 13", "P-1.11, p-1.13").replace("\n1, S1", "\nP-1.1, S1").replace("solids, S1", "P-1.solids, S1");
+    let of = |sets: &str| {
+        let assembly = format!("*End Part\n*Assembly, name=A\n*Instance, name=\"P-1\", part=P\n*End Instance\n{sets}*End Assembly");
+        read(&PLANE.replacen("*End Part", &assembly, 1))
+    };
+    assert_eq!(of(&named), of(own));
+    assert_eq!(sides::<2>(&of(&named)).into_iter().filter(|s| ["two", "lower", "all"].contains(&s.0.as_str())).count(), 3);
+    let other = named.replace("P-1.1,", "Q-1.1,");
+    let text = PLANE.replacen("*End Part", &format!("*End Part\n*Instance, name=P-1, part=P\n*End Instance\n{other}"), 1);
+    let error = read_with(&text, &[]).unwrap_err().to_string();
+    assert!(error.contains("there is no set of elements \"Q-1.1\" before this line"), "{error}");
+}
+
 /// A cube of an 8-node hexahedron below two prisms, and a pyramid above.
 const SOLID: &str = "*NODE
 1, 0, 0, 0
