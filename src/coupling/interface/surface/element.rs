@@ -4,7 +4,7 @@ use super::super::Partners;
 use super::super::slave_pieces::{Point, SlavePieces};
 use super::cell_rule::{WeightedPoints, fill};
 use super::chart::Chart;
-use super::facets::Facets;
+use super::facets::{Facet, Facets};
 use super::numbers::ByNumber;
 use super::owner::{Foot, MasterSurface};
 use super::piece::{EdgePiece, LineRule};
@@ -21,6 +21,8 @@ use crate::quadrature::{Quadrature, Rule, TensorRule, simplex_rule};
 
 /// Deviation of the sum of regions from the facet that is rounding.
 const TILES: f64 = 1e-9;
+/// Entries of the map between two cells, over its largest, below which their axes are parallel.
+const ALIGNED: f64 = 1e-9;
 /// Most Gauss points per direction.
 const MOST_POINTS: usize = 16;
 /// Cuttings in four of a facet whose regions do not tile it.
@@ -83,7 +85,7 @@ impl<'a> Sides<'a> {
         let (of_slave, of_master) = parallel::both(of_slave, || MasterSurface::new(master));
         let (skeleton, facets, boxes) = of_slave?;
         let own = [TensorRule::<2>::gauss([points + 4; 2]).rule(0).clone(), simplex_rule(2 * points + 7)];
-        let lines = (0..=MOST_POINTS.max(points + 3)).map(|n| LineRule::new(n.max(1))).collect();
+        let lines = (0..=MOST_POINTS.max(2 * points + 3)).map(|n| LineRule::new(n.max(1))).collect();
         let mut sides =
             Self { slave: facets, skeleton, master: of_master?, partners, points, sizes, lines, own, same: ByNumber::default(), boxes };
         sides.orient();
@@ -157,17 +159,19 @@ impl<'a> Sides<'a> {
         let mut chart = Chart::new(work.facets, work.facet, rounding);
         let cell = chart.polygon.area();
         let mut found = regions(&mut chart, &self.master, &candidates, &mut scratch.table);
-        if found.share(cell) > 1.0 + TILES {
+        // what is rounding in a facet is four times as much in a quarter of it
+        let rest = TILES * 4f64.powi((AGAIN - again) as i32);
+        if found.share(cell) > 1.0 + rest {
             self.confirm(&mut chart, &mut found);
         }
         let filled: Vec<WeightedPoints> = found.list.iter().map(|region| self.points(work, region)).collect();
         let share = filled.iter().flatten().map(|p| p.1).sum::<f64>() / cell;
-        let tiles = (share - 1.0).abs() <= TILES && (found.share(cell) - share).abs() <= TILES;
+        let tiles = (share - 1.0).abs() <= rest && (found.share(cell) - share).abs() <= rest;
         let may_be_open = |chart: &mut Chart<'_>| match self.partners.touch() {
             true => found.has_rim || found.list.is_empty() && !self.touches(chart),
             false => found.has_rim || !self.is_faced(work, chart),
         };
-        let is_lost = !tiles && (share > 1.0 + TILES || !may_be_open(&mut chart));
+        let is_lost = !tiles && (share > 1.0 + rest || !may_be_open(&mut chart));
         if is_lost
             && again > 0
             && let Some(quarters) = work.facets.quarters(work.facet)
@@ -187,16 +191,32 @@ impl<'a> Sides<'a> {
             }
         }
         // regions that tile it, of which some found no partners
-        let dropped = !self.partners.touch() && tiles && share - done.share > TILES;
+        let dropped = !self.partners.touch() && tiles && share - done.share > rest;
         done.lost |= dropped && self.is_faced(work, &mut chart);
         done
+    }
+
+    /// Gauss points per direction that integrate products of functions of two affine cells, and of each with itself, on a region with straight
+    /// sides.
+    ///
+    /// Functions of degree p of a triangle have total degree p, those of a tensor cell 2 p. On a sector of a region a product of total degree d
+    /// has the degree d + 1 along the rays, so that d / 2 + 1 points are exact; on rectangles along both cells the degree is 2 p per
+    /// direction, and p + 1 are.
+    fn exact_points(&self, own: &Facet, other: &Facet) -> usize {
+        let is_triangle = [own, other].map(|facet| facet.polygon == Polygon::Triangle);
+        let are_aligned = || {
+            let turn = own.back * other.jacobian;
+            let (along, across) = (turn.diagonal().amax(), turn[(0, 1)].abs().max(turn[(1, 0)].abs()));
+            along.min(across) <= ALIGNED * along.max(across)
+        };
+        if is_triangle == [true; 2] || is_triangle == [false; 2] && are_aligned() { self.points } else { 2 * self.points - 1 }
     }
 
     /// Points and weights of a region in the chart.
     fn points(&self, work: &Work<'_, 'a>, region: &Region) -> WeightedPoints {
         let (own, other) = (&work.facets.list[work.facet], &self.master.facets.list[region.facet]);
         let is_straight = own.affine && other.affine && !region.chain.iter().any(EdgePiece::is_curve);
-        let n = if is_straight { self.points } else { (self.points + 3).max(5) };
+        let n = if is_straight { self.exact_points(own, other) } else { (self.points + 3).max(5) };
         let own_pole = own.pole.then(|| own.polygon.corner(2));
         let poles: Vec<Vector<2>> = own_pole.into_iter().chain(region.pole).collect();
         let mut points = Vec::with_capacity(region.chain.len() * n * n);

@@ -42,9 +42,9 @@ pub use slave::SlaveSurface;
 /// Gauss points on the regions that elements of both sides share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MergedSurface {
-    /// Gauss points per direction; max(p_slave, p_master) + 1 integrates products of polynomials of total degree p exactly on straight
-    /// regions of affine cells; tensor cells turned against each other need 2 p + 1. Other regions take three more, and at least five:
-    /// their sums converge fast, but are never exact.
+    /// Gauss points per direction on rectangles along both cells, p + 1 for functions of degree p. Other straight regions of affine cells
+    /// take as many as integrate products of such functions exactly: p + 1 between triangles, 2 p + 1 where a tensor cell meets one that is
+    /// turned, or a triangle. All others take three more, and at least five: their sums converge fast, but are never exact.
     pub points: usize,
     /// Pairing rule.
     pub partners: Partners,

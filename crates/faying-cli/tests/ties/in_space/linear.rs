@@ -92,6 +92,20 @@ fn grids_turned_against_each_other_keep_linear_fields_with_every_coupling() {
     }
 }
 
+/// Products of functions of cells that are turned, or of different shapes, have a higher total degree than each.
+#[test]
+fn regions_of_turned_cells_are_integrated_exactly() {
+    for kinds in [[KINDS[0]; 2], [KINDS[2], KINDS[3]], [KINDS[3], KINDS[2]], [KINDS[3]; 2]] {
+        for degree in [1, 2, 3].into_iter().filter(|p| *p < 3 || !kinds.contains(&KINDS[3])) {
+            for words in ["mortar", "mortar\"\nmultiplier = \"p/p", "nitsche"] {
+                let text = turned(17.0, kinds, degree, words).replace("\"a*x + (c + 0.1)*y", "\"a*x + 0.2*y*z + (c + 0.1)*y");
+                let found = run(&text, &[]).interface.get("seam").unwrap().consistency;
+                assert!(found < 1e-12, "{kinds:?} {degree} {words}: {found:e}");
+            }
+        }
+    }
+}
+
 /// With tractions across the interface a penalty lets the bodies part by lambda over its stiffness, which is the factor's inverse.
 #[test]
 fn the_gap_of_a_penalty_falls_with_its_factor() {
