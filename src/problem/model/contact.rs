@@ -122,4 +122,11 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
         let g = if g.abs() <= closes { 0.0 } else { g };
         self.gap.value(&Point::new(x.as_slice()).at_time(t).with_gap(g))
     }
+
+    /// Whether the gap of a part depends on the geometric one, as that of `"-0.01"` does not; `size`: a length to compare by.
+    pub fn follows_sides(&self, part: &ContactPart<S, N>, t: f64, size: f64) -> bool {
+        let frames = &part.first.frames;
+        let differs = |(x, &g): (&Vector<N>, &f64)| self.wanted(x, t, g, 0.0) != self.wanted(x, t, g + size, 0.0);
+        frames.x.iter().zip(&frames.gap).any(differs)
+    }
 }

@@ -36,6 +36,10 @@ fn beyond<const S: usize, const N: usize>(model: &Model<S, N>, part: &ContactPar
     let masters: Vec<_> = part.masters.iter().zip(&sags).map(|(master, sag)| (&master.trace, sag)).collect();
     let sides: Vec<_> = part.masters.iter().chain([&part.slave]).cloned().collect();
     let zero = floor(&sides);
+    // what is closed is rounding
+    if part.first.frames.gap.iter().all(|gap| gap.abs() <= zero) {
+        return None;
+    }
     let found = clearance((&part.slave.trace, &own), &masters, REACH, zero);
     let (mean, explained) = (found.mean(), found.allowed().max(zero));
     (mean > explained).then_some((mean.min(part.closes), explained))

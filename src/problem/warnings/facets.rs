@@ -47,7 +47,7 @@ fn of_part<const S: usize, const N: usize>(
         return None;
     }
     let (segments, frames) = (&part.first.segments, &part.first.frames);
-    if frames.gap.iter().all(|gap| gap.abs() <= part.closes) {
+    if frames.gap.iter().all(|gap| gap.abs() <= part.closes) || !contact.follows_sides(part, t, model.size) {
         return None;
     }
     let (mut sum, mut size, mut largest) = (0.0, 0.0, 0.0f64);

@@ -46,7 +46,8 @@ pub(super) fn gap_pressures<const S: usize, const N: usize>(model: &Model<S, N>,
         if let Some((from_gap, gap, pressure, x)) = worst {
             found.push(Warning::GapPressure { of: Subject::contact(model, k), pressure, from_gap: -from_gap, gap, x });
         } else if largest > 0.0 {
-            let waves = contact.parts.iter().filter(|part| sees_waves(part)).map(|part| wave(model, part, state.t));
+            let has_waves = |part: &&ContactPart<S, N>| sees_waves(part) && contact.follows_sides(part, state.t, model.size);
+            let waves = contact.parts.iter().filter(has_waves).map(|part| wave(model, part, state.t));
             let (wave, height) = waves.fold((0.0, 0.0), |a, b| if b.0 > a.0 { b } else { a });
             if wave > LARGEST * largest {
                 found.push(Warning::WavyFacets { of: Subject::contact(model, k), height, wave, pressure: largest });
@@ -64,9 +65,10 @@ fn sees_waves<const S: usize, const N: usize>(part: &ContactPart<S, N>) -> bool 
     part.slave.degree() >= 2 && psi.num_functions() + ends >= functions && psi.num_functions() > part.slave.trace.space.num_elements()
 }
 
-/// Largest pressure that flattens the waves of the facets of both sides [force/area], and their height [length]; zero against obstacles.
+/// Largest pressure that flattens the waves of the facets of both sides [force/area], and their height [length]; zero against obstacles, and
+/// where the contact adjusts, which takes the waves for none.
 fn wave<const S: usize, const N: usize>(model: &Model<S, N>, part: &ContactPart<S, N>, t: f64) -> (f64, f64) {
-    if part.masters.is_empty() {
+    if part.masters.is_empty() || part.closes > 0.0 {
         return (0.0, 0.0);
     }
     let slope = |side: &BodySide<S, N>| {

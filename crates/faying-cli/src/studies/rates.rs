@@ -8,8 +8,12 @@ use crate::quantities::{Quantity, QuantityKind, look_up};
 use crate::result::{CheckReport, Status};
 use serde_json::Value;
 
+/// Relative error below which it is rounding and falls no more.
+const ROUNDING: f64 = 1e-13;
+
 /// Fills `rates` of every row: of an error from the level before, log2(e_{k-1} / e_k); of any other quantity from two levels
-/// before, log2(|q_{k-1} - q_{k-2}| / |q_k - q_{k-1}|), the rate at which its changes fall. No rate where a number is missing or zero.
+/// before, log2(|q_{k-1} - q_{k-2}| / |q_k - q_{k-1}|), the rate at which its changes fall. No rate where a number is missing or zero, or where
+/// an error is [`ROUNDING`].
 pub(super) fn fill(rows: &mut [Row], asked: &[Asked]) {
     for k in 1..rows.len() {
         let (done, rest) = rows.split_at_mut(k);
@@ -19,7 +23,11 @@ pub(super) fn fill(rows: &mut [Row], asked: &[Asked]) {
         }
         let two = k.checked_sub(2).map(|j| &done[j]).filter(|two| two.spec.same_line(&row.spec) && two.solved());
         let mut found: Vec<(String, f64)> = Vec::new();
-        for (name, value) in row.result.errors.iter().filter(|(name, _)| !name.ends_with(".rel")) {
+        let is_rounding = |name: &str| {
+            let share = |of: &Row| of.result.errors.get(&format!("{name}.rel")).is_some_and(|share| *share < ROUNDING);
+            share(one) || share(row)
+        };
+        for (name, value) in row.result.errors.iter().filter(|(name, _)| !name.ends_with(".rel") && !is_rounding(name)) {
             found.push((name.to_owned(), one.result.errors.get(name).map_or(f64::NAN, |before| (before / value).log2())));
         }
         for a in asked.iter().filter(|a| row.result.errors.get(&a.quantity).is_none()) {

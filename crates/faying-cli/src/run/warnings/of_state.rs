@@ -69,7 +69,8 @@ fn of_interface(warning: &Warning, of: &Subject) -> Option<(String, &'static str
             format!(
                 "the zone of contact \"{name}\" is too coarse: {}, fewer than {least}; its force, pressure and extent may be off by tens of percent",
                 match across {
-                    Some(n) => format!("about {n:.1} functions of the slave lie across it"),
+                    // rounded down: it is told to be fewer than a whole number
+                    Some(n) => format!("about {:.1} functions of the slave lie across it", (10.0 * n).floor() / 10.0),
                     None => format!("{closed} functions of the slave carry it"),
                 }
             ),
