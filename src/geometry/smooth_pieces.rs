@@ -4,14 +4,15 @@
 //!
 //! Facets that stand for one smooth surface turn at their faces, too. They are told from the faces of a body by what lies between: elements that no
 //! turning face parts make a plane (or a smooth surface) if two of them have a common face that meets no turning one. Where two such planes meet at
-//! more than 5 degrees their edge is a kink; a chain of facets has no planes. Facets that meet at more
-//! than 50 degrees belong to different surfaces, be they planes or not.
+//! more than 5 degrees their edge is a kink; a chain of facets has no planes. A single element is a wall, like a plane, if it has turning faces to
+//! one neighbour alone (it ends the side) or to planes alone (a chamfer). Facets that meet at more than 50 degrees belong to different surfaces,
+//! be they planes or not.
 
 use super::{Bounds, Geometry, MapTable, Tree, cell, unit_normal};
 use crate::basis::Order;
 use crate::linalg::{Real, Union, Vector, lit};
 use crate::parallel;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
 /// Distance of unit normals from which on a face turns: 0.6 degrees.
 const TURNING: f64 = 1e-2;
@@ -31,8 +32,8 @@ pub enum Kinks {
     All,
     /// Edges of planes: for facets that may stand for a smooth surface.
     OfPlanes,
-    /// Edges of planes, and all of more than 50 degrees.
-    Sharp,
+    /// Edges of planes and walls, and all of more than 50 degrees.
+    OfWalls,
 }
 
 /// A face of two elements.
@@ -57,8 +58,8 @@ where
     let regions = FlatRegions::of(side.num_elements(), &joints);
     let is_kink = |joint: &&Joint<N, T>| match kinks {
         Kinks::All => joint.turn > lit(TURNING),
-        Kinks::OfPlanes => joint.turn > lit(KINK) && regions.is_edge(joint.elements),
-        Kinks::Sharp => joint.turn > lit(SHARP) || joint.turn > lit(KINK) && regions.is_edge(joint.elements),
+        Kinks::OfPlanes => joint.turn > lit(KINK) && regions.is_edge(&regions.is_plane, joint.elements),
+        Kinks::OfWalls => joint.turn > lit(SHARP) || joint.turn > lit(KINK) && regions.is_edge(&regions.is_wall, joint.elements),
     };
     if !joints.iter().any(|j| is_kink(&j)) {
         return whole();
@@ -76,6 +77,8 @@ struct FlatRegions {
     of: Vec<usize>,
     /// Whether two elements have a common face away from all turning ones.
     is_plane: Vec<bool>,
+    /// Whether it is a plane, or has turning faces of 50 degrees and less to one other region alone, or to planes alone.
+    is_wall: Vec<bool>,
 }
 
 impl FlatRegions {
@@ -87,12 +90,20 @@ impl FlatRegions {
         let (of, count) = sets.numbers();
         let mut is_plane = vec![false; count];
         flat().filter(|j| j.vertices.iter().all(|v| !turning.contains(v))).for_each(|j| is_plane[of[j.elements[0]]] = true);
-        Self { of, is_plane }
+        let mut beside = vec![BTreeSet::new(); count];
+        let bends = joints.iter().filter(|j| j.turn <= lit(SHARP));
+        for [a, b] in bends.map(|j| j.elements.map(|e| of[e])).filter(|[a, b]| a != b) {
+            beside[a].insert(b);
+            beside[b].insert(a);
+        }
+        let is_wall = |k: usize| is_plane[k] || beside[k].len() == 1 || beside[k].iter().all(|&other| is_plane[other]);
+        let is_wall = (0..count).map(is_wall).collect();
+        Self { of, is_plane, is_wall }
     }
 
-    /// Whether both elements are those of planes, and of different ones.
-    fn is_edge(&self, [a, b]: [usize; 2]) -> bool {
-        self.of[a] != self.of[b] && [a, b].iter().all(|&e| self.is_plane[self.of[e]])
+    /// Whether both elements are those of different regions that are `wanted`.
+    fn is_edge(&self, wanted: &[bool], [a, b]: [usize; 2]) -> bool {
+        self.of[a] != self.of[b] && [a, b].iter().all(|&e| wanted[self.of[e]])
     }
 }
 
@@ -168,5 +179,21 @@ mod tests {
         // a bend of one segment between two planes
         let bend = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.7, 0.7], [2.7, 1.7], [2.7, 2.7]];
         assert_eq!(pieces(bend, Kinks::OfPlanes).len(), 1);
+    }
+
+    #[test]
+    fn single_elements_are_walls_at_an_end_and_between_planes() {
+        // turns of 45 degrees
+        let end = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.7, 0.7]];
+        assert_eq!(pieces(end.clone(), Kinks::OfPlanes).len(), 1);
+        assert_eq!(pieces(end, Kinks::OfWalls), [vec![0, 1], vec![2]]);
+        let chamfer = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.7, 0.7], [2.7, 1.7], [2.7, 2.7]];
+        assert_eq!(pieces(chamfer, Kinks::OfWalls), [vec![0, 1], vec![2], vec![3, 4]]);
+        // chords of a circle, alone and between planes
+        let at = |k: usize| [(k as f64 * 0.4).sin(), 1.0 - (k as f64 * 0.4).cos()];
+        let chords: Vec<[f64; 2]> = (0..=3).map(at).collect();
+        assert_eq!(pieces(chords.clone(), Kinks::OfWalls).len(), 1);
+        let straight = [[-2.0, 0.0], [-1.0, 0.0]].into_iter().chain(chords).collect();
+        assert_eq!(pieces(straight, Kinks::OfWalls).len(), 1);
     }
 }

@@ -15,7 +15,7 @@ use super::interface_error::InterfaceError;
 use super::interface_side::InterfaceSide;
 use super::model::{BodySide, ContactModel, Model, TieModel};
 use super::obstacle::{ForceDriven, MovingObstacle};
-use super::smooth_pieces::{are_pieces, places_of};
+use super::smooth_pieces::places_of;
 use super::solved::Common;
 use super::tie_part::TieCounts;
 use super::touching::Search;
@@ -50,8 +50,7 @@ where
     /// The work of [`assemble_movable`](Self::assemble_movable).
     pub(super) fn system(&self) -> Result<System<S, N>, ProblemErrors> {
         some(self.check_interfaces())?;
-        let pieces = self.between_kinks();
-        let model = Arc::new(pieces.as_ref().unwrap_or(self).built()?);
+        let model = Arc::new(self.between_kinks(Self::built)?);
         let (identity, regions, places) = (self.identity.clone(), self.regions.clone(), BodyLocators::new(model.patches.len()));
         Ok(System::new(Common { identity, regions, places, model, half_width: Trace::<S, N>::half_width }, self.times.clone()))
     }
@@ -115,7 +114,7 @@ where
 
     /// Builds all contacts; returns what is wrong.
     fn build_contacts(&self, model: &mut Model<S, N>, pressed: usize, fixed: &Eliminated, tied: &TieCounts) -> Vec<ProblemError> {
-        let (mut errors, seams) = (Vec::new(), self.seams(model));
+        let (mut errors, seams) = (Vec::new(), self.seams(model, fixed));
         let mut next = model.unknowns - pressed;
         for contact in &self.contacts {
             let (obstacle, masters) = match &contact.own.faced {
@@ -144,7 +143,7 @@ where
                 let taken =
                     |function: usize, c: usize| fixed.is(field.unknown(function, c)) || tied.count(model, slave.patch, function) > 0;
                 let fixed = |unknown: usize| fixed.is(unknown);
-                let on_seam = |function: usize| seams.contains(&model.function(slave.patch, function));
+                let on_seam = |function: usize| seams.hold(slave, model.function(slave.patch, function));
                 let setup = SlaveOf { contact, slave, masters, times: &self.times, taken: &taken, fixed: &fixed, on_seam: &on_seam };
                 match model.contact_part(&built, &setup) {
                     Ok(mut part) => {
@@ -282,32 +281,6 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             }
         }
         members
-    }
-
-    /// Functions of the model that slave sides of contacts on different bodies share, or parts of one side whose multipliers are as rich as
-    /// the side: each would get two multipliers. Pieces on both sides of a kink hold different normals, as many as a point has.
-    fn seams(&self, model: &Model<S, N>) -> HashSet<usize> {
-        let (mut first, mut shared) = (HashMap::<usize, &Arc<BodySide<S, N>>>::new(), HashSet::new());
-        for contact in &self.contacts {
-            let mut sides = HashMap::<usize, usize>::new();
-            for side in &contact.own.slaves {
-                let mut own: Vec<usize> = side.trace.dofs.iter().map(|&dof| model.function(side.patch, dof)).collect();
-                own.sort_unstable();
-                own.dedup();
-                for function in own {
-                    let other = *first.entry(function).or_insert(side);
-                    let count = sides.entry(function).or_default();
-                    *count += 1;
-                    let across_kink = are_pieces(other, side) && *count <= N;
-                    let parts =
-                        other.side == side.side && !Arc::ptr_eq(other, side) && contact.multiplier.lowers_ends(side) && !across_kink;
-                    if other.patch != side.patch || parts {
-                        shared.insert(function);
-                    }
-                }
-            }
-        }
-        shared
     }
 }
 

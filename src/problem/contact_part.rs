@@ -41,7 +41,7 @@ pub(super) struct SlaveOf<'a, const S: usize, const N: usize> {
     pub taken: &'a dyn Fn(usize, usize) -> bool,
     /// Whether an unknown of the model is prescribed.
     pub fixed: &'a dyn Fn(usize) -> bool,
-    /// Whether a function of the body lies on another slave side, too.
+    /// Whether other slave sides press a function of the body along all of its free directions.
     pub on_seam: &'a dyn Fn(usize) -> bool,
 }
 
@@ -189,13 +189,14 @@ where
         let slave = setup.slave;
         let times = setup.times_of(contact.obstacle.as_ref().is_some_and(|o| o.changes));
         let immobile = self.immobile(setup, against, times);
-        // a function shared by two slave sides would get two multipliers: it counts as constrained
+        // a function shared by slave sides would get more multipliers than it has free directions: it counts as constrained
         let stuck = |function: usize| (setup.on_seam)(function) || immobile.is(function);
         let held = |f: usize| stuck(f) || immobile.inside(f) || (0..N).all(|c| (setup.taken)(f, c));
         let free = slave.trace.dofs.iter().filter(|&&f| !held(f)).map(|&f| self.function(slave.patch, f)).collect::<HashSet<_>>().len();
         let (components, by_equations) = (immobile.components(), immobile.by_equations());
         if free == 0 {
-            return Err(InterfaceError::Held { components, by_equations });
+            let is_shared = slave.trace.dofs.iter().all(|&f| (setup.on_seam)(f));
+            return Err(if is_shared { InterfaceError::Shared } else { InterfaceError::Held { components, by_equations } });
         }
         let refused = |error| InterfaceError::Multiplier { component: None, error };
         let mut psi = wrapped(self, slave, &stuck, setup.contact.multiplier.make(&slave.trace, &stuck).map_err(refused)?);

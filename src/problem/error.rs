@@ -22,6 +22,22 @@ pub struct ProblemError {
     pub(super) names: Vec<String>,
 }
 
+impl ProblemError {
+    /// The statement and the place of a slave side on which there is no room for its multiplier.
+    pub(super) fn slave_without_room(&self) -> Option<(Statement, usize)> {
+        let ErrorKind::Interface { slave, error } = &self.kind else { return None };
+        let is_narrow = matches!(
+            error,
+            InterfaceError::Multiplier { .. }
+                | InterfaceError::Counts(_)
+                | InterfaceError::TooMany { .. }
+                | InterfaceError::Held { .. }
+                | InterfaceError::Shared
+        );
+        is_narrow.then(|| Some((*self.of.last()?, *slave))).flatten()
+    }
+}
+
 /// All errors that [`Problem::assemble`](super::Problem::assemble) finds, at least one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProblemErrors(pub Vec<ProblemError>);

@@ -81,6 +81,9 @@ pub enum InterfaceError {
         /// Whether equations between components hold functions of the side.
         by_equations: bool,
     },
+    /// A slave side of a contact of which every function lies on another slave side of the body, too.
+    #[error("all functions of the slave side lie on other slave sides, too: no multiplier is left for it")]
+    Shared,
     /// A multiplier that does not exist on the slave side.
     #[error("{error}")]
     Multiplier {

@@ -99,6 +99,7 @@ mod side_field;
 mod side_force;
 mod side_points;
 mod sizes;
+mod slave_seams;
 mod slave_spaces;
 mod slide_contradictions;
 mod slide_forms;

@@ -18,13 +18,13 @@ pub type MakeMultiplier<const S: usize, const N: usize> =
 /// Dual multipliers of a contact, and the functions by which their pressure is evaluated.
 pub type DualBases<const S: usize> = (Box<dyn Basis<S>>, Box<dyn Basis<S>>);
 /// Returns, per end of a curve, whether a function that does not vanish there is constrained.
-pub(super) fn constrained_ends<const N: usize>(trace: &Trace<1, N>, constrained: &dyn Fn(usize) -> bool) -> Vec<bool> {
+pub(super) fn constrained_ends<const S: usize, const N: usize>(trace: &Trace<S, N>, constrained: &dyn Fn(usize) -> bool) -> Vec<bool> {
     let (mut ids, mut table) = (Vec::new(), ShapeTable::new());
     side_ends(&*trace.space)
         .iter()
         .map(|end| {
             trace.space.active(end.element, &mut ids);
-            trace.space.tabulate(end.element, &[Vector::<1>::new(end.at as f64)], Order::Values, &mut table);
+            trace.space.tabulate(end.element, &[Vector::<S>::repeat(end.at as f64)], Order::Values, &mut table);
             ids.iter().zip(table.values(0)).any(|(&i, value)| value.abs() > NO_VALUE && constrained(trace.dofs[i]))
         })
         .collect()
@@ -59,7 +59,7 @@ pub(super) fn unstable_pairing<const S: usize, const N: usize>(space: &dyn Space
 }
 
 /// Returns `psi` on a side that is glued to itself: its functions that belong to one function of the trace where the side closes become
-/// one. Multipliers of curves with as many functions as the closed trace, or fewer, have no end there and stay as they are, as do those of
+/// one. Multipliers of curves with as many functions as the closed trace, or fewer, but for those lost at constrained ends, have no end there and stay as they are, as do those of
 /// surfaces of another degree than the trace. A multiplier numbered like the trace, or like its free functions, follows the numbers of the trace;
 /// of any other, functions are matched that are the only nonzero ones at a corner of a curve, or that have the same values along an edge of a
 /// surface.
@@ -71,7 +71,9 @@ pub fn wrapped<const S: usize, const N: usize>(
 ) -> Box<dyn Basis<S>> {
     let (space, dofs) = (&*slave.trace.space, &slave.trace.dofs);
     let whole: HashSet<usize> = dofs.iter().map(|&dof| model.function(slave.patch, dof)).collect();
-    if whole.len() == dofs.len() || (S == 1 && psi.num_functions() <= whole.len()) {
+    // what a part across the seam lost at its own ends is no seam that is closed
+    let lost = || if S == 1 && highest(&*psi) == highest(space) { lowered_ends(slave, constrained) } else { 0 };
+    if whole.len() == dofs.len() || (S == 1 && psi.num_functions() + lost() <= whole.len()) {
         return psi;
     }
     if numbered_alike(&*psi, space) {
@@ -83,6 +85,16 @@ pub fn wrapped<const S: usize, const N: usize>(
     }
     let twin = if S == 1 { corner_twins(model, slave, constrained, &*psi) } else { seam_twins(model, slave, &*psi) };
     merged(psi, &twin)
+}
+
+/// The highest degree of the elements.
+fn highest<const S: usize>(basis: &dyn Basis<S>) -> usize {
+    (0..basis.num_elements()).flat_map(|e| basis.degree(e)).max().unwrap_or(0)
+}
+
+/// The number of constrained ends of a curve.
+fn lowered_ends<const S: usize, const N: usize>(slave: &BodySide<S, N>, constrained: &dyn Fn(usize) -> bool) -> usize {
+    constrained_ends(&slave.trace, constrained).into_iter().filter(|is_constrained| *is_constrained).count()
 }
 
 /// Multipliers whose numbers have the order of the functions of the trace, with those of functions joined where the side is glued to itself:

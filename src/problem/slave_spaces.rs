@@ -72,8 +72,7 @@ where
     /// # Errors
     /// All that is wrong with bodies, sides and multipliers.
     pub fn slave_spaces(&self, ends: SlaveEnds) -> Result<Vec<SlaveSpace<S, N>>, ProblemErrors> {
-        let pieces = self.between_kinks();
-        pieces.as_ref().unwrap_or(self).spaces_of_slaves(ends)
+        self.between_kinks(|problem| problem.spaces_of_slaves(ends))
     }
 
     fn spaces_of_slaves(&self, ends: SlaveEnds) -> Result<Vec<SlaveSpace<S, N>>, ProblemErrors> {

@@ -6,15 +6,21 @@
 
 use super::builder::Problem;
 use super::coupled::{Multiplier, TiePair};
-use super::model::BodySide;
+use super::error::{ProblemError, ProblemErrors};
+use super::handles::Statement;
+use super::model::{BodyModel, BodySide};
 use crate::assembly::planar_normal;
 use crate::basis::Order;
 use crate::coupling::multiplier::MultiplierKind;
 use crate::geometry::{ClosestPoint, Geometry, Kinks, MapTable, cell, smooth_pieces};
+use std::collections::HashSet;
 use std::sync::Arc;
 
 /// Distance of the centre of a refined facet from the facet it is part of, as a share of its size.
 const ON_FACET: f64 = 0.1;
+
+/// A tie or a contact, and the place of a slave side in it.
+type StatedSlave = (Statement, usize);
 
 impl<const S: usize, const N: usize> Problem<S, N> {
     /// The pieces of a side that slides, between all its kinks; the side itself if it has none, or cells of several shapes.
@@ -25,59 +31,48 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         self.parts(side, &smooth_pieces(&*side.trace.space, &side.trace.outward, Kinks::All))
     }
 
-    /// The problem with the slave sides of ties and contacts as their pieces between kinks; `None` if no slave has one.
-    pub(super) fn between_kinks(&self) -> Option<Self> {
+    /// Makes something of the problem with the slave sides of ties and contacts as their pieces between kinks. Sides that have a piece without
+    /// room for its multiplier, a wall of a single element, are parted at the edges of planes alone.
+    pub(super) fn between_kinks<R>(&self, make: impl Fn(&Self) -> Result<R, ProblemErrors>) -> Result<R, ProblemErrors> {
+        let mut narrow = HashSet::new();
+        loop {
+            let pieces = self.pieces_of_slaves(&narrow);
+            let errors = match make(pieces.as_ref().unwrap_or(self)) {
+                Err(errors) if pieces.is_some() => errors,
+                done => return done,
+            };
+            let before = narrow.len();
+            narrow.extend(errors.0.iter().filter_map(ProblemError::slave_without_room));
+            if narrow.len() == before {
+                return Err(errors);
+            }
+        }
+    }
+
+    /// The problem with slave sides as their pieces, the `narrow` ones as those between planes; `None` if no slave has several.
+    fn pieces_of_slaves(&self, narrow: &HashSet<StatedSlave>) -> Option<Self> {
         let mut own = self.clone();
         let mut changed = false;
+        let mut pieces = |side: &Arc<BodySide<S, N>>, place: StatedSlave| {
+            let elements =
+                if narrow.contains(&place) { elements_between(&self.bodies, side, Kinks::OfPlanes) } else { walls(&self.bodies, side) };
+            let pieces = self.parts(side, &elements);
+            changed |= pieces.len() > 1;
+            pieces
+        };
         for tie in own.ties.iter_mut().filter(|t| follows_kinks(&t.multiplier)) {
-            let pairs = std::mem::take(&mut tie.own.pairs).into_iter().flat_map(|pair| {
-                let pieces = self.slave_pieces(&pair.slave);
-                changed |= pieces.len() > 1;
-                pieces.into_iter().map(move |slave| TiePair { slave, ..pair.clone() })
-            });
-            tie.own.pairs = pairs.collect();
+            let id = Statement::from(tie.id());
+            let pairs = std::mem::take(&mut tie.own.pairs).into_iter().enumerate();
+            let parted = |(k, pair): (usize, TiePair<S, N>)| {
+                pieces(&pair.slave, (id, k)).into_iter().map(move |slave| TiePair { slave, ..pair.clone() })
+            };
+            tie.own.pairs = pairs.flat_map(parted).collect();
         }
         for contact in own.contacts.iter_mut().filter(|c| follows_kinks(&c.multiplier)) {
-            let slaves = contact.own.slaves.iter().flat_map(|slave| {
-                let pieces = self.slave_pieces(slave);
-                changed |= pieces.len() > 1;
-                pieces
-            });
-            contact.own.slaves = slaves.collect();
+            let id = Statement::from(contact.id());
+            contact.own.slaves = contact.own.slaves.iter().enumerate().flat_map(|(k, slave)| pieces(slave, (id, k))).collect();
         }
         changed.then_some(own)
-    }
-
-    /// The pieces of a slave side between sharp kinks, or where one of them is a single element, between those of planes.
-    fn slave_pieces(&self, side: &Arc<BodySide<S, N>>) -> Vec<Arc<BodySide<S, N>>> {
-        let sharp = self.elements_between(side, Kinks::Sharp);
-        let is_fine = sharp.iter().all(|piece| piece.len() > 1);
-        self.parts(side, &if is_fine { sharp } else { self.elements_between(side, Kinks::OfPlanes) })
-    }
-
-    /// The elements of the pieces of a side: facets of a refined mesh are judged by those that it was refined from. One piece where a refined facet
-    /// is none of these.
-    fn elements_between(&self, side: &BodySide<S, N>, kinks: Kinks) -> Vec<Vec<usize>> {
-        let (patch, space) = (&self.bodies[side.patch], &side.trace.space);
-        let whole = patch.unrefined.as_ref().and_then(|body| body.trace(&side.side).ok());
-        let Some(whole) = whole else {
-            return smooth_pieces(&**space, &side.trace.outward, kinks);
-        };
-        let (pieces, one) = (smooth_pieces(&*whole.space, &whole.outward, kinks), || vec![(0..space.num_elements()).collect()]);
-        if pieces.len() == 1 {
-            return one();
-        }
-        let mut of = vec![0; whole.facets.len()];
-        pieces.iter().enumerate().for_each(|(k, piece)| piece.iter().for_each(|&e| of[e] = k));
-        let (closest, mut map) = (ClosestPoint::new(Arc::clone(&whole.space)), MapTable::new());
-        let mut parts = vec![Vec::new(); pieces.len()];
-        for e in 0..space.num_elements() {
-            space.map(e, &[cell::center::<S, f64>(space.cell(e))], Order::Values, &mut map);
-            let Some(foot) = closest.project_within(&map.x[0], space.bounds(e).diagonal() * ON_FACET) else { return one() };
-            parts[of[foot.element]].push(e);
-        }
-        parts.retain(|part| !part.is_empty());
-        parts
     }
 
     /// The parts of a side with these elements; the side itself if it is one part, or a part has cells of several shapes.
@@ -94,6 +89,41 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         };
         parts.iter().map(part).collect()
     }
+}
+
+/// The elements of the walls of a slave side. Single facets that stand for a known geometry, as chords of a circle do, are no walls: edges of planes
+/// alone part such sides.
+pub(super) fn walls<const S: usize, const N: usize>(patches: &[BodyModel<S, N>], side: &BodySide<S, N>) -> Vec<Vec<usize>> {
+    let walls = elements_between(patches, side, Kinks::OfWalls);
+    if patches[side.patch].is_shaped && walls.iter().any(|wall| wall.len() == 1) {
+        return elements_between(patches, side, Kinks::OfPlanes);
+    }
+    walls
+}
+
+/// The elements of the pieces of a side: facets of a refined mesh are judged by those that it was refined from. One piece where a refined facet is
+/// none of these.
+fn elements_between<const S: usize, const N: usize>(patches: &[BodyModel<S, N>], side: &BodySide<S, N>, kinks: Kinks) -> Vec<Vec<usize>> {
+    let space = &side.trace.space;
+    let whole = patches[side.patch].unrefined.as_ref().and_then(|body| body.trace(&side.side).ok());
+    let Some(whole) = whole else {
+        return smooth_pieces(&**space, &side.trace.outward, kinks);
+    };
+    let (pieces, one) = (smooth_pieces(&*whole.space, &whole.outward, kinks), || vec![(0..space.num_elements()).collect()]);
+    if pieces.len() == 1 {
+        return one();
+    }
+    let mut of = vec![0; whole.facets.len()];
+    pieces.iter().enumerate().for_each(|(k, piece)| piece.iter().for_each(|&e| of[e] = k));
+    let (closest, mut map) = (ClosestPoint::new(Arc::clone(&whole.space)), MapTable::new());
+    let mut parts = vec![Vec::new(); pieces.len()];
+    for e in 0..space.num_elements() {
+        space.map(e, &[cell::center::<S, f64>(space.cell(e))], Order::Values, &mut map);
+        let Some(foot) = closest.project_within(&map.x[0], space.bounds(e).diagonal() * ON_FACET) else { return one() };
+        parts[of[foot.element]].push(e);
+    }
+    parts.retain(|part| !part.is_empty());
+    parts
 }
 
 /// Whether a multiplier is one of the library's by name.

@@ -59,6 +59,12 @@ impl Display for Warning {
                 f,
                 "mixed integration of {of} with a multiplier of degree {multiplier} on {slave} of degree {degree}: errors of u may fall with order {order}"
             ),
+            Self::RoundKink { of, slave } => {
+                write!(
+                    f,
+                    "the multiplier of {of} runs round an edge of {slave}: tractions jump there, and those of a constant stress are not held"
+                )
+            }
             Self::HardlyHeld { of, motions, share } => {
                 let (motions, share) = (motions.join(", "), digits(*share));
                 write!(f, "{of} is held in {motions} only by springs {share} as stiff as the bodies: round-off grows accordingly")

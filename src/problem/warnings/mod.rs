@@ -10,6 +10,7 @@
 //! | `part_uncovered` | parts of tied sides that meet no master, as far as facets explain it |
 //! | `facets` | gaps of sides that nearly fit, where facets leave their surface by as much |
 //! | `low_order` | orders of convergence: dual multipliers of splines, mixed integration of low multipliers |
+//! | `round_kink` | tractions beside an edge of a slave side round which its multiplier runs |
 //! | `hardly_held` | motions that only soft springs hold |
 //! | `flux_jumps` | errors against a piecewise exact solution whose flux jumps: its source is not that of the data |
 //! | `integration` | forces through an interface whose rule does not see the other side's functions |
@@ -51,6 +52,7 @@ mod meant;
 mod overlap;
 mod part_uncovered;
 mod patch_test;
+mod round_kink;
 mod rounding;
 mod sliding;
 mod soft_penalty;
@@ -85,6 +87,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(facets::facets(self, first));
         found.extend(adjusted::adjusted(self));
         found.extend(low_order::low_orders(self));
+        found.extend(round_kink::round_kinks(self));
         found.extend(locking::locking(self, first));
         found.extend(hardly_held::hardly_held(self, first));
         found.extend(flux_jumps::flux_jumps(self, first));

@@ -166,6 +166,13 @@ pub enum Warning {
         /// The order with which errors of u may fall.
         order: usize,
     },
+    /// A multiplier runs round an edge of its slave side: tractions jump there, and it does not hold those of a constant stress.
+    RoundKink {
+        /// The tie or contact.
+        of: Subject,
+        /// Label of the slave side.
+        slave: String,
+    },
     /// A rigid motion that springs alone hold, with less than 1e-5 of the stiffness of the bodies that move.
     HardlyHeld {
         /// The body that moves most.
@@ -374,6 +381,7 @@ impl Warning {
             | Self::Facets { of, .. }
             | Self::DualConstants { of, .. }
             | Self::MixedMultiplier { of, .. }
+            | Self::RoundKink { of, .. }
             | Self::HardlyHeld { of, .. }
             | Self::FluxJump { of, .. }
             | Self::Adjusted { of, .. }

@@ -169,6 +169,10 @@ fn fault<const S: usize, const N: usize>(
             let help = held_help(source, (slave, masters), components, *by_equations);
             context.error("E024", text, at).with_help(help.unwrap_or_else(|| "free the side, or give it more elements".into()))
         }
+        InterfaceError::Shared => {
+            let text = format!("the multiplier of \"{name}\" on `{}` has no functions: {error}", slave.label());
+            context.error("E024", text, at).with_help("name the elements as one side, or refine the body")
+        }
         InterfaceError::TooMany { multipliers, free, components, by_equations } => {
             let fault = too_many(context, name, slave, "the normal direction", (*multipliers, *free), contact.multiplier.at);
             fault.with_some_help(held_help(source, (slave, masters), components, *by_equations))

@@ -2,7 +2,8 @@
 //! Every model has a solution in closed form.
 
 use crate::common::pressed;
-use faying_cli::{Registry, RunResult};
+use faying_cli::case::ReadOptions;
+use faying_cli::{Case, Registry, RunResult};
 use pressed::{contact, kkt, probe, read, run};
 use std::f64::consts::{PI, SQRT_2};
 
@@ -397,6 +398,89 @@ fn a_block_in_a_groove_is_held_by_its_two_contacts_alone() {
 }
 
 /// The code and message of a case that is refused.
+/// A strip of `n` squares as a file, its top in parts "top0", "top1", ... of the given numbers of squares, and "top" whole.
+fn strip(parts: &[usize]) -> String {
+    let n: usize = parts.iter().sum();
+    let mut text = String::from("*NODE\n");
+    for (row, first) in [(0, 1), (1, n + 2)] {
+        (0..=n).for_each(|i| text += &format!("{}, {i}, {row}\n", first + i));
+    }
+    text += "*ELEMENT, TYPE=CPE4, ELSET=all\n";
+    (1..=n).for_each(|e| text += &format!("{e}, {e}, {}, {}, {}\n", e + 1, n + 2 + e, n + 1 + e));
+    text += "*SURFACE, NAME=bottom\nall, S1\n*SURFACE, NAME=top\nall, S3\n*SURFACE, NAME=end\n1, S4\n";
+    let mut first = 1;
+    for (k, count) in parts.iter().enumerate() {
+        text += &format!("*SURFACE, NAME=top{k}\n");
+        (first..first + count).for_each(|e| text += &format!("{e}, S3\n"));
+        first += count;
+    }
+    text
+}
+
+/// Two tags of one straight side share a function, which has one gap: with a multiplier of each in it the uniform pressure would be lost. One
+/// contact of both and one of each, on a rigid plane and on a body.
+#[test]
+fn tags_that_adjoin_have_one_multiplier_in_their_common_point() {
+    for multiplier in ["p/p", "dual"] {
+        for (parts, one) in [([3, 3], true), ([3, 3], false), ([2, 4], true)] {
+            let folder = tempfile::tempdir().unwrap();
+            std::fs::write(folder.path().join("strip.inp"), strip(&parts)).unwrap();
+            let body = "[[patch]]\nname = \"b\"\ngeometry = { kind = \"file\", file = \"strip.inp\" }\nbackend = \"fe\"\n";
+            let contact = |name: &str, slaves: &str| {
+                format!(
+                    "[[contact]]\nname = \"{name}\"\nslave = {slaves}\nmultiplier = \"{multiplier}\"\n\
+                     rigid = {{ kind = \"half-plane\", point = [0, 1], normal = [0, -1], move = {{ y = \"-0.01\" }} }}\n"
+                )
+            };
+            let contacts = match one {
+                true => contact("c", "[\"b.top0\", \"b.top1\"]"),
+                false => contact("c", "\"b.top0\"") + &contact("d", "\"b.top1\""),
+            };
+            let text = head("fe", 1)
+                + "[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.0\n"
+                + body
+                + &on("\"b.bottom\"", "fix = [\"y\"]")
+                + &on("\"b.end\"", "fix = [\"x\"]")
+                + &contacts;
+            let options = ReadOptions { folder: Some(folder.path().to_path_buf()), ..ReadOptions::default() };
+            let case = Case::parse("case.toml", &text, &options).unwrap_or_else(|e| panic!("{e}"));
+            let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            for (_, contact) in result.contact.iter() {
+                for found in [contact.pressure.min, contact.pressure.max] {
+                    close(found, 0.01, 1e-9, &format!("{multiplier} {parts:?} {one}"));
+                }
+            }
+        }
+    }
+}
+
+/// A closed ring pressed from inside, whole and in parts of which one lies across its seam: pressures are uniform but for the elements.
+#[test]
+fn parts_across_the_seam_of_a_ring_are_pressed_like_the_ring() {
+    for (backend, degree) in [("iga", 2), ("iga", 3), ("fe", 1), ("fe", 2)] {
+        let pressed = |parts: &[&str]| {
+            let mut text = head(backend, degree)
+                + "mapping = \"exact\"\n[[material]]\nname = \"m\"\nyoung = 100.0\npoisson = 0.3\n[[patch]]\nname = \"s\"\nelements = [16, 3]\n\
+                   geometry = { kind = \"annulus-sector\", radius = [1, 2], angle_deg = [0, 360] }\nclosed = \"u\"\n"
+                + &on("\"s.v1\"", "fix = [\"x\", \"y\"]");
+            for (k, part) in parts.iter().enumerate() {
+                text += &format!(
+                    "[[contact]]\nname = \"c{k}\"\nslave = \"s.v0\"\n{part}multiplier = \"p/p\"\nrigid = {{ kind = \"sphere\", center = [0, 0], radius = 1.01 }}\n"
+                );
+            }
+            let result = run(&text, &[], 4.0);
+            let pressures = result.contact.iter().flat_map(|(_, c)| [c.pressure.min, c.pressure.max]);
+            pressures.fold((f64::INFINITY, 0.0_f64), |(least, most), p| (least.min(p), most.max(p)))
+        };
+        let (whole, parts) = (pressed(&[""]), pressed(&["where = \"x > 0\"\n", "where = \"x < 0\"\n"]));
+        let spread = whole.1 / whole.0 - 1.0;
+        for (found, expected) in [(parts.0, whole.0), (parts.1, whole.1)] {
+            assert!((found / expected - 1.0).abs() < 0.01 + spread, "{backend} {degree}: {parts:?}, whole {whole:?}");
+        }
+        assert!(spread < 0.03, "{backend} {degree}: {whole:?}");
+    }
+}
+
 fn refused(text: &str) -> String {
     let case = read(text, &[]);
     let found = case.run(&Registry::default()).unwrap_err();

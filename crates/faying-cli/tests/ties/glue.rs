@@ -397,11 +397,11 @@ fn a_glued_pair_of_slaves_is_pressed_as_one_patch() {
     let (a, b) = (c(&one), c(&two));
     assert!((a.force[1] - b.force[1]).abs() <= 1e-9 * a.force[1] && a.active == b.active, "{a:?} {b:?}");
     assert!((a.pressure.max - b.pressure.max).abs() <= 1e-9 * a.pressure.max);
-    // p/p has a multiplier per function: both sides are lowered where they share one, and the system stays regular
+    // p/p has a multiplier per function: one of the sides is lowered where they share one, and the system stays regular
     let full = solve(&pressed(&lower, &halves, &contact("[\"a.bottom\", \"b.bottom\"]", "p/p"), "\"l.bottom\"", tops));
     let f = c(&full);
     assert!((a.force[1] - f.force[1]).abs() <= 0.01 * a.force[1], "{a:?} {f:?}");
-    assert_eq!(full.result.unknowns.multipliers, 2 * (5 - 1));
+    assert_eq!(full.result.unknowns.multipliers, 2 * 5 - 1);
 }
 
 #[test]

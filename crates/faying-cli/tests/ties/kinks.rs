@@ -67,6 +67,51 @@ fn constant_stress_is_tied_round_a_ridge() {
 }
 
 /// Pressure 1 on one half, 0.3 on the other.
+/// A roof whose halves are single elements of the slave.
+fn of_single_walls(dimension: usize, h: f64, slave: &'static str, degree: usize, multiplier: &str) -> String {
+    let exact = if dimension == 2 { vec!["x", "0"] } else { vec!["x", "0", "0"] };
+    let tie = format!("[[interface]]\nname = \"t\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\nmultiplier = \"{multiplier}\"\n");
+    let text = roof(dimension, h, kinds(slave, dimension), degree, &exact, &tie);
+    let (three, one) = if dimension == 2 { ("[3, 2]", "[1, 2]") } else { ("[3, 2, 2]", "[1, 2, 2]") };
+    assert!(text.contains(three));
+    text.replace(three, one)
+}
+
+const ROUND: &str = "runs round an edge of `b.v0`";
+
+#[test]
+fn constant_stress_is_tied_round_a_ridge_of_single_elements() {
+    for dimension in [2, 3] {
+        // turns of 7, 33, 62 degrees
+        for h in [0.06, 0.3, 0.6] {
+            for (backend, degree) in BACKENDS.iter().flat_map(|b| [1, 2, 3].map(|p| (*b, p))).filter(|(_, p)| dimension == 2 || *p < 3) {
+                let result = run(&of_single_walls(dimension, h, backend, degree, "p/p"));
+                for name in ["error.u.L2", "error.t.lambda.L2"] {
+                    let found = result.errors.get(name).copied().unwrap();
+                    assert!(found < 1e-9, "{name} {found:e}: {dimension} {h} {backend} {degree}");
+                }
+                assert!(!result.warnings.iter().any(|w| w.message.contains(ROUND)), "{dimension} {h} {backend} {degree}");
+            }
+        }
+    }
+}
+
+/// Held at both ends, walls of one element of degree 1 have no multiplier of their own.
+#[test]
+fn multipliers_that_run_round_an_edge_are_told() {
+    for (degree, elements, told) in [(1, "[1, 2]", true), (2, "[1, 2]", false), (1, "[2, 2]", false)] {
+        let text = of_single_walls(2, 0.3, BACKENDS[1], degree, "p/p").replace("[1, 2]", elements).replace("neumann", "dirichlet");
+        let result = run(&text);
+        assert_eq!(
+            result.warnings.iter().any(|w| w.code == "E065" && w.message.contains(ROUND)),
+            told,
+            "{degree} {elements}: {:?}",
+            result.warnings
+        );
+        assert_eq!(result.errors.get("error.u.L2").copied().unwrap() > 1e-3, told, "{degree} {elements}");
+    }
+}
+
 #[test]
 fn bodies_press_each_other_round_a_ridge() {
     for dimension in [2, 3] {

@@ -127,6 +127,15 @@ fn of_slave(case: &Case, of: &Subject, warning: &Warning) -> Option<(&'static st
             multiplier_at(case, of)?,
             "use p/p or p/p-2".into(),
         ),
+        Warning::RoundKink { slave, .. } => (
+            "E065",
+            format!(
+                "the multiplier of \"{name}\" runs round an edge of `{slave}`: tractions jump there, and beside it lambda and stresses may be off by \
+                 tens of percent"
+            ),
+            multiplier_at(case, of)?,
+            "give the walls beside the edge two elements or more, or degree 2".into(),
+        ),
         Warning::MixedMultiplier { slave, degree, multiplier, order, .. } => (
             "E065",
             format!(
