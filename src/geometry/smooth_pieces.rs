@@ -5,12 +5,13 @@
 //! Facets that stand for one smooth surface turn at their faces, too. They are told from the faces of a body by what lies between: elements that no
 //! turning face parts make a plane (or a smooth surface) if two of them have a common face that meets no turning one. Where two such planes meet at
 //! more than 5 degrees their edge is a kink; a chain of facets has no planes. A single element is a wall, like a plane, if it has turning faces to
-//! one neighbour alone (it ends the side) or to planes alone (a chamfer). Facets that meet at more than 50 degrees belong to different surfaces,
-//! be they planes or not.
+//! one neighbour alone (it ends the side), to planes alone or a plane and an end (a chamfer), or if it turns out of one neighbour's plane to the
+//! outer side and out of another's to the inner side (a step, a zigzag). Facets that meet at more than 50 degrees belong to different surfaces, be
+//! they planes or not.
 
 use super::{Bounds, Geometry, MapTable, Tree, cell, unit_normal};
 use crate::basis::Order;
-use crate::linalg::{Real, Union, Vector, lit};
+use crate::linalg::{Real, Union, Vector, lit, num};
 use crate::parallel;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -20,6 +21,8 @@ const TURNING: f64 = 1e-2;
 const KINK: f64 = 0.0872;
 /// Distance of unit normals from which on facets belong to different surfaces: 50 degrees.
 const SHARP: f64 = 0.845;
+/// Distance of unit normals above which facets do not resolve a smooth surface: 20 degrees.
+const STEEP: f64 = 0.3473;
 /// Normals are compared this share of the way from the middle of the face to the centres of both elements, since maps may be singular there.
 const INSIDE: f64 = 1e-6;
 /// Corners nearer than this share of an element are one vertex.
@@ -34,6 +37,8 @@ pub enum Kinks {
     OfPlanes,
     /// Edges of planes and walls, and all of more than 50 degrees.
     OfWalls,
+    /// These, and all of more than 20 degrees: no facets of a surface that is resolved.
+    Steep,
 }
 
 /// A face of two elements.
@@ -42,6 +47,8 @@ struct Joint<const N: usize, T: Real> {
     vertices: Vec<usize>,
     /// Distance of the normals.
     turn: T,
+    /// Whether each element lies on the outer side of the other one's plane.
+    is_hollow: bool,
 }
 
 /// The elements of every piece of `side` between its kinks, ascending; `outward` as of a [trace](crate::space::Trace). One piece where there are no
@@ -59,7 +66,10 @@ where
     let is_kink = |joint: &&Joint<N, T>| match kinks {
         Kinks::All => joint.turn > lit(TURNING),
         Kinks::OfPlanes => joint.turn > lit(KINK) && regions.is_edge(&regions.is_plane, joint.elements),
-        Kinks::OfWalls => joint.turn > lit(SHARP) || joint.turn > lit(KINK) && regions.is_edge(&regions.is_wall, joint.elements),
+        Kinks::OfWalls | Kinks::Steep => {
+            let steep = if kinks == Kinks::Steep { STEEP } else { SHARP };
+            joint.turn > lit(steep) || joint.turn > lit(KINK) && regions.is_edge(&regions.is_wall, joint.elements)
+        }
     };
     if !joints.iter().any(|j| is_kink(&j)) {
         return whole();
@@ -77,7 +87,7 @@ struct FlatRegions {
     of: Vec<usize>,
     /// Whether two elements have a common face away from all turning ones.
     is_plane: Vec<bool>,
-    /// Whether it is a plane, or has turning faces of 50 degrees and less to one other region alone, or to planes alone.
+    /// Whether it is a plane, or a wall by its turning faces of 50 degrees and less.
     is_wall: Vec<bool>,
 }
 
@@ -90,13 +100,19 @@ impl FlatRegions {
         let (of, count) = sets.numbers();
         let mut is_plane = vec![false; count];
         flat().filter(|j| j.vertices.iter().all(|v| !turning.contains(v))).for_each(|j| is_plane[of[j.elements[0]]] = true);
-        let mut beside = vec![BTreeSet::new(); count];
-        let bends = joints.iter().filter(|j| j.turn <= lit(SHARP));
-        for [a, b] in bends.map(|j| j.elements.map(|e| of[e])).filter(|[a, b]| a != b) {
-            beside[a].insert(b);
-            beside[b].insert(a);
+        // the regions beside each, and whether one turns to the outer or to the inner side
+        let (mut beside, mut turns) = (vec![BTreeSet::new(); count], vec![[false; 2]; count]);
+        for joint in joints.iter().filter(|j| j.turn > lit(TURNING) && j.turn <= lit(SHARP)) {
+            let [a, b] = joint.elements.map(|e| of[e]);
+            if a != b {
+                beside[a].insert(b);
+                beside[b].insert(a);
+                [a, b].iter().for_each(|&k| turns[k][usize::from(joint.is_hollow)] |= joint.turn > lit(KINK));
+            }
         }
-        let is_wall = |k: usize| is_plane[k] || beside[k].len() == 1 || beside[k].iter().all(|&other| is_plane[other]);
+        let is_end = |k: usize| beside[k].len() == 1;
+        let is_chamfer = |k: usize| beside[k].iter().any(|&o| is_plane[o]) && beside[k].iter().all(|&o| is_plane[o] || is_end(o));
+        let is_wall = |k: usize| is_plane[k] || is_end(k) || is_chamfer(k) || turns[k] == [true; 2];
         let is_wall = (0..count).map(is_wall).collect();
         Self { of, is_plane, is_wall }
     }
@@ -105,6 +121,10 @@ impl FlatRegions {
     fn is_edge(&self, wanted: &[bool], [a, b]: [usize; 2]) -> bool {
         self.of[a] != self.of[b] && [a, b].iter().all(|&e| wanted[self.of[e]])
     }
+}
+
+fn center_of<const N: usize, T: Real>(corners: &[Vector<N, T>]) -> Vector<N, T> {
+    corners.iter().fold(Vector::zeros(), |s: Vector<N, T>, x| s + x) / num::<T>(corners.len().max(1))
 }
 
 /// The faces of two elements with the turn of their normals; none where a face has collapsed.
@@ -137,7 +157,9 @@ fn joints<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized
                 continue;
             }
             let Some((other, there)) = open.insert(own.clone(), (e, normal)) else { continue };
-            found.insert((e, other, own.clone()), Joint { elements: [other, e], vertices: own, turn: (normal - there).norm() });
+            let is_hollow = normal.dot(&(center_of(&elements[other].0) - center_of(corners))) > T::zero();
+            let joint = Joint { elements: [other, e], vertices: own.clone(), turn: (normal - there).norm(), is_hollow };
+            found.insert((e, other, own), joint);
         }
         first += corners.len();
     }
@@ -193,7 +215,13 @@ mod tests {
         let at = |k: usize| [(k as f64 * 0.4).sin(), 1.0 - (k as f64 * 0.4).cos()];
         let chords: Vec<[f64; 2]> = (0..=3).map(at).collect();
         assert_eq!(pieces(chords.clone(), Kinks::OfWalls).len(), 1);
-        let straight = [[-2.0, 0.0], [-1.0, 0.0]].into_iter().chain(chords).collect();
+        let straight = [[-2.0, 0.0], [-1.0, 0.0]].into_iter().chain(chords.clone()).collect();
         assert_eq!(pieces(straight, Kinks::OfWalls).len(), 1);
+        assert_eq!(pieces(chords, Kinks::Steep).len(), 3);
+        // a zigzag, and a step before the end
+        let zigzag = (0..5).map(|k| [f64::from(k), 0.15 * f64::from(k % 2)]).collect();
+        assert_eq!(pieces(zigzag, Kinks::OfWalls).len(), 4);
+        let step = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.2, 0.1], [3.0, 0.1]];
+        assert_eq!(pieces(step, Kinks::OfWalls).len(), 3);
     }
 }

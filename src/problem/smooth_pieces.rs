@@ -34,17 +34,21 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     /// Makes something of the problem with the slave sides of ties and contacts as their pieces between kinks. Sides that have a piece without
     /// room for its multiplier, a wall of a single element, are parted at the edges of planes alone.
     pub(super) fn between_kinks<R>(&self, make: impl Fn(&Self) -> Result<R, ProblemErrors>) -> Result<R, ProblemErrors> {
-        let mut narrow = HashSet::new();
+        let (mut narrow, mut first) = (HashSet::new(), None);
         loop {
             let pieces = self.pieces_of_slaves(&narrow);
             let errors = match make(pieces.as_ref().unwrap_or(self)) {
-                Err(errors) if pieces.is_some() => errors,
-                done => return done,
+                Ok(made) => return Ok(made),
+                Err(errors) => errors,
             };
             let before = narrow.len();
-            narrow.extend(errors.0.iter().filter_map(ProblemError::slave_without_room));
+            if pieces.is_some() {
+                narrow.extend(errors.0.iter().filter_map(ProblemError::slave_without_room));
+            }
+            // parted less it may have other errors, of which the first ones are the reason
+            let first = first.get_or_insert(errors);
             if narrow.len() == before {
-                return Err(errors);
+                return Err(first.clone());
             }
         }
     }
@@ -54,8 +58,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let mut own = self.clone();
         let mut changed = false;
         let mut pieces = |side: &Arc<BodySide<S, N>>, place: StatedSlave| {
-            let elements =
-                if narrow.contains(&place) { elements_between(&self.bodies, side, Kinks::OfPlanes) } else { walls(&self.bodies, side) };
+            let elements = if narrow.contains(&place) {
+                elements_between(&self.bodies, side, Kinks::OfPlanes)
+            } else {
+                walls(&self.bodies, side, Kinks::OfWalls)
+            };
             let pieces = self.parts(side, &elements);
             changed |= pieces.len() > 1;
             pieces
@@ -91,10 +98,10 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     }
 }
 
-/// The elements of the walls of a slave side. Single facets that stand for a known geometry, as chords of a circle do, are no walls: edges of planes
-/// alone part such sides.
-pub(super) fn walls<const S: usize, const N: usize>(patches: &[BodyModel<S, N>], side: &BodySide<S, N>) -> Vec<Vec<usize>> {
-    let walls = elements_between(patches, side, Kinks::OfWalls);
+/// The elements of the walls of a slave side, between `Kinks::OfWalls` or `Kinks::Steep`. Single facets that stand for a known geometry, as chords of
+/// a circle do, are no walls: edges of planes alone part such sides.
+pub(super) fn walls<const S: usize, const N: usize>(patches: &[BodyModel<S, N>], side: &BodySide<S, N>, kinks: Kinks) -> Vec<Vec<usize>> {
+    let walls = elements_between(patches, side, kinks);
     if patches[side.patch].is_shaped && walls.iter().any(|wall| wall.len() == 1) {
         return elements_between(patches, side, Kinks::OfPlanes);
     }

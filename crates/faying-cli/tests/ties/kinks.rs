@@ -66,7 +66,6 @@ fn constant_stress_is_tied_round_a_ridge() {
     }
 }
 
-/// Pressure 1 on one half, 0.3 on the other.
 /// A roof whose halves are single elements of the slave.
 fn of_single_walls(dimension: usize, h: f64, slave: &'static str, degree: usize, multiplier: &str) -> String {
     let exact = if dimension == 2 { vec!["x", "0"] } else { vec!["x", "0", "0"] };
@@ -112,6 +111,51 @@ fn multipliers_that_run_round_an_edge_are_told() {
     }
 }
 
+/// Two bodies that meet on single facets of degree 1, in a constant stress.
+fn facets(heights: &[f64]) -> String {
+    let n = heights.len();
+    let layer = |heights: &[f64]| heights.iter().enumerate().map(|(x, y)| vec![x as f64, *y]).collect::<Vec<_>>();
+    let knots: Vec<usize> = std::iter::once(0).chain(0..n).chain([n - 1]).collect();
+    let mut text = String::from(
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\nexact = { u = [\"x\", \"0.3*y\"] }\n[discretization]\nbackend = \"fe\"\ndegree = 1\n\
+         [[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\n",
+    );
+    let (below, above) = (vec![-2.0; n], vec![2.0; n]);
+    for (name, low, high, elements) in [("a", &below[..], heights, 3), ("b", heights, &above[..], 1)] {
+        let points: Vec<_> = layer(low).into_iter().chain(layer(high)).collect();
+        text += &format!(
+            "[[patch]]\nname = \"{name}\"\nelements = [{elements}, 2]\n\
+             geometry = {{ kind = \"nurbs\", degree = [1, 1], knots = [{knots:?}, [0, 0, 1, 1]], points = {points:?} }}\n"
+        );
+    }
+    text + "[[boundary]]\non = [\"a.bottom\", \"b.top\"]\ndirichlet = \"exact\"\n\
+            [[boundary]]\non = [\"a.left\", \"a.right\", \"b.left\", \"b.right\"]\nneumann = \"exact\"\n\
+            [[interface]]\nname = \"t\"\nslave = \"b.bottom\"\nmaster = \"a.top\"\n"
+}
+
+/// Zigzags have no room for pieces of degree 1, and lambda of a constant stress is off by a third at 16 degrees; chords of a circle are facets
+/// of a smooth surface up to 20 degrees from one to the next. With degree 2 all but these are exact.
+#[test]
+fn multipliers_that_run_round_facets_are_told() {
+    let zigzag = |turn: f64| (0..5).map(|k| f64::from(k % 2) * (turn / 2.0).to_radians().tan()).collect::<Vec<_>>();
+    let arc = |radius: f64| (0..5).map(|k| (radius * radius - f64::from(k - 2).powi(2)).sqrt() - radius).collect::<Vec<_>>();
+    for (heights, told) in [(zigzag(16.0), true), (zigzag(45.0), true), (arc(8.0), false), (arc(2.2), true)] {
+        let text = facets(&heights);
+        let result = run(&text);
+        assert_eq!(
+            result.warnings.iter().any(|w| w.code == "E065" && w.message.contains(ROUND)),
+            told,
+            "{heights:?}: {:?}",
+            result.warnings
+        );
+        let off = |result: &RunResult| result.errors.get("error.t.lambda.L2.rel").copied().unwrap();
+        assert!(off(&result) > 0.02, "{heights:?}: {:e}", off(&result));
+        let finer = run(&text.replace("degree = 1\n", "degree = 2\n").replace("master =", "multiplier = \"p/p\"\nmaster ="));
+        assert_eq!(off(&finer) < 1e-9, heights[0] == heights[2], "{heights:?}: {:e}", off(&finer));
+    }
+}
+
+/// Pressure 1 on one half, 0.3 on the other.
 #[test]
 fn bodies_press_each_other_round_a_ridge() {
     for dimension in [2, 3] {
@@ -154,31 +198,43 @@ fn shallow_roofs_that_coincide_touch() {
 }
 
 /// A side round a corner on a list of masters, one on each side of it.
+fn corner(degrees: f64, coupling: &str) -> String {
+    // the corner at (1, 1), its sides down to y at x = 0 and 2
+    let y = 1.0 - (0.5 * degrees.to_radians()).tan();
+    let patch = |name: &str, points: String, knots: &str, n: [usize; 2]| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"nurbs\", degree = [1, 1], knots = [[{knots}], [0, 0, 1, 1]], \
+             points = [{points}] }}\nelements = {n:?}\n"
+        )
+    };
+    "[model]\nphysics = \"elasticity\"\ndimension = 2\nexact = { u = [\"x\", \"0.5*y\"] }\n[discretization]\ndegree = 2\n\
+     [[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\n"
+        .to_owned()
+        + &patch("p", format!("[0, {0}], [1, {0}], [2, {0}], [0, {y}], [1, 1], [2, {y}]", y - 1.0), "0, 0, 1, 2, 2", [3, 2])
+        + &patch("a", format!("[0, {y}], [1, 1], [0, 2], [1, 2]"), "0, 0, 1, 1", [2, 2])
+        + &patch("b", format!("[1, 1], [2, {y}], [1, 2], [2, 2]"), "0, 0, 1, 1", [4, 2])
+        + "[[boundary]]\non = [\"p.v0\", \"a.v1\", \"b.v1\"]\ndirichlet = \"exact\"\n\
+           [[boundary]]\non = [\"p.u0\", \"p.u1\", \"a.u0\", \"b.u1\"]\nneumann = \"exact\"\n\
+           [[interface]]\nname = \"ab\"\nslave = \"a.u1\"\nmaster = \"b.u0\"\n"
+        + &format!("[[interface]]\nname = \"c\"\nslave = \"p.v1\"\nmaster = [\"a.v0\", \"b.v0\"]\ncoupling = \"{coupling}\"\n")
+        + if coupling == "penalty" { "factor = 1e7\n" } else { "" }
+}
+
 #[test]
 fn a_kinked_slave_is_tied_to_a_list_of_masters() {
-    for (degrees, coupling) in [60.0, 89.0, 91.0, 120.0f64].into_iter().flat_map(|d| ["mortar", "nitsche", "penalty"].map(|c| (d, c))) {
-        // the corner at (1, 1), its sides down to y at x = 0 and 2
-        let y = 1.0 - (0.5 * degrees.to_radians()).tan();
-        let patch = |name: &str, points: String, knots: &str, n: [usize; 2]| {
-            format!(
-                "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"nurbs\", degree = [1, 1], knots = [[{knots}], [0, 0, 1, 1]], \
-                 points = [{points}] }}\nelements = {n:?}\n"
-            )
-        };
-        let text = "[model]\nphysics = \"elasticity\"\ndimension = 2\nexact = { u = [\"x\", \"0.5*y\"] }\n[discretization]\ndegree = 2\n\
-                    [[material]]\nname = \"m\"\nyoung = 1\npoisson = 0\n"
-            .to_owned()
-            + &patch("p", format!("[0, {0}], [1, {0}], [2, {0}], [0, {y}], [1, 1], [2, {y}]", y - 1.0), "0, 0, 1, 2, 2", [3, 2])
-            + &patch("a", format!("[0, {y}], [1, 1], [0, 2], [1, 2]"), "0, 0, 1, 1", [2, 2])
-            + &patch("b", format!("[1, 1], [2, {y}], [1, 2], [2, 2]"), "0, 0, 1, 1", [4, 2])
-            + "[[boundary]]\non = [\"p.v0\", \"a.v1\", \"b.v1\"]\ndirichlet = \"exact\"\n\
-               [[boundary]]\non = [\"p.u0\", \"p.u1\", \"a.u0\", \"b.u1\"]\nneumann = \"exact\"\n\
-               [[interface]]\nname = \"ab\"\nslave = \"a.u1\"\nmaster = \"b.u0\"\n"
-            + &format!("[[interface]]\nname = \"c\"\nslave = \"p.v1\"\nmaster = [\"a.v0\", \"b.v0\"]\ncoupling = \"{coupling}\"\n")
-            + if coupling == "penalty" { "factor = 1e7\n" } else { "" };
-        let off = *run(&text).errors.get("error.u.L2").unwrap();
+    for (degrees, coupling) in [60.0, 89.0, 91.0, 120.0].into_iter().flat_map(|d| ["mortar", "nitsche", "penalty"].map(|c| (d, c))) {
+        let off = *run(&corner(degrees, coupling)).errors.get("error.u.L2").unwrap();
         assert!(off < if coupling == "penalty" { 1e-5 } else { 1e-9 }, "{degrees} {coupling}: {off:e}");
     }
+}
+
+/// One element of degree 1 per wall with held ends has no multiplier, and that is the reason that is given.
+#[test]
+fn walls_without_room_are_the_reason() {
+    let text = corner(90.0, "mortar").replace("degree = 2\n", "degree = 1\n").replace("[3, 2]", "[1, 2]").replace("neumann", "dirichlet");
+    let case = Case::parse("case.toml", &text, &ReadOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let found: Vec<_> = case.run(&Registry::default()).unwrap_err().items.iter().map(|d| d.code).collect();
+    assert!(found.contains(&"E024") && !found.contains(&"E023"), "{found:?}");
 }
 
 /// Files and numbers show the side as one: along its whole length, with one share per master.
