@@ -83,3 +83,10 @@ pub fn directions<const S: usize, const N: usize>(
     }
     out.into_iter().map(|(f, (_, normal))| (f, normal)).collect()
 }
+
+/// Normal of a side at every function: where it is largest at corners, or inside of elements if it vanishes at corners.
+pub fn normals<const S: usize, const N: usize>(side: &BodySide<S, N>) -> HashMap<usize, Vector<N>> {
+    let mut normals = directions(side, None, 0.0, side.degree() + 2);
+    normals.extend(directions(side, None, 0.0, 2));
+    normals
+}

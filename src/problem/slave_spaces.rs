@@ -2,6 +2,7 @@
 
 use super::builder::Problem;
 use super::coupled::Multiplier;
+use super::directions::normals;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
 use super::fixed::Eliminated;
 use super::handles::Statement;
@@ -97,6 +98,7 @@ where
                 errors.extend(told);
             }
         }
+        let seams = self.seams(&model, &fixed);
         for contact in self.contacts.iter().filter(|c| c.own.method.needs().multiplier) {
             for (number, slave) in places_of(contact.own.slaves.iter()).into_iter().zip(&contact.own.slaves) {
                 let normals = normals(slave);
@@ -105,7 +107,7 @@ where
                 };
                 let held = |function: usize| {
                     let along = |n: &Vector<N>| (0..model.components.min(N)).all(|c| n[c].abs() < PERPENDICULAR || taken(function, c));
-                    normals.get(&function).is_some_and(along)
+                    seams.hold(slave, model.function(slave.patch, function)) || normals.get(&function).is_some_and(along)
                 };
                 let (of, multiplier) = (contact.id().into(), &contact.multiplier);
                 let wanted = Wanted { of, name: &contact.name, number, multiplier, component: None };
@@ -212,28 +214,4 @@ fn rim<const S: usize, const N: usize>(space: &dyn Space<S, N>) -> Vec<(usize, [
     let is_rim = |(k, key): (usize, &Vec<usize>)| if key.is_empty() { alone(k) } else { times[key] == 1 };
     let kept = all.iter().enumerate().filter(|(k, (key, ..))| is_rim((*k, key)));
     kept.map(|(_, (_, element, ends))| (*element, *ends)).collect()
-}
-
-/// Unit normal of the side at the point where each function of the body is largest, among some points of every element.
-fn normals<const S: usize, const N: usize>(slave: &BodySide<S, N>) -> HashMap<usize, Vector<N>> {
-    let space = &*slave.trace.space;
-    let (mut ids, mut shapes, mut map) = (Vec::new(), ShapeTable::new(), MapTable::new());
-    let mut best: HashMap<usize, (f64, Vector<N>)> = HashMap::new();
-    for e in 0..space.num_elements() {
-        let degree = space.degree(e).into_iter().max().unwrap_or(1);
-        let points = cell::grid::<S, f64>(space.cell(e), degree + 2);
-        space.active(e, &mut ids);
-        space.tabulate(e, &points, Order::Values, &mut shapes);
-        space.map(e, &points, Order::Gradients, &mut map);
-        for (q, jacobian) in map.jacobian.iter().enumerate() {
-            let normal = slave.trace.normal(e, jacobian);
-            for (&i, value) in ids.iter().zip(shapes.values(q)) {
-                let entry = best.entry(slave.trace.dofs[i]).or_insert((0.0, normal));
-                if value.abs() > entry.0 {
-                    *entry = (value.abs(), normal);
-                }
-            }
-        }
-    }
-    best.into_iter().map(|(dof, (_, normal))| (dof, normal)).collect()
 }

@@ -3,7 +3,7 @@
 
 use crate::common::pressed;
 use faying_cli::case::ReadOptions;
-use faying_cli::{Case, Registry, RunResult};
+use faying_cli::{Case, Diagnostics, Registry, RunResult};
 use pressed::{contact, kkt, probe, read, run};
 use std::f64::consts::{PI, SQRT_2};
 
@@ -397,7 +397,6 @@ fn a_block_in_a_groove_is_held_by_its_two_contacts_alone() {
     }
 }
 
-/// The code and message of a case that is refused.
 /// A strip of `n` squares as a file, its top in parts "top0", "top1", ... of the given numbers of squares, and "top" whole.
 fn strip(parts: &[usize]) -> String {
     let n: usize = parts.iter().sum();
@@ -417,37 +416,44 @@ fn strip(parts: &[usize]) -> String {
     text
 }
 
+/// A strip of squares held below, with contacts of the slaves "a, b" each on a rigid plane that moves down by 0.01.
+fn pressed_strip(parts: &[usize], multiplier: &str, slaves: &[&str]) -> Result<RunResult, Diagnostics> {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("strip.inp"), strip(parts)).unwrap();
+    let contacts = slaves.iter().enumerate().map(|(k, slaves)| {
+        let slaves: Vec<String> = slaves.split(", ").map(|tag| format!("b.{tag}")).collect();
+        format!(
+            "[[contact]]\nname = \"c{k}\"\nslave = {slaves:?}\nmultiplier = \"{multiplier}\"\n\
+             rigid = {{ kind = \"half-plane\", point = [0, 1], normal = [0, -1], move = {{ y = \"-0.01\" }} }}\n"
+        )
+    });
+    let text = head("fe", 1)
+        + "[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.0\n"
+        + "[[patch]]\nname = \"b\"\ngeometry = { kind = \"file\", file = \"strip.inp\" }\nbackend = \"fe\"\n"
+        + &on("\"b.bottom\"", "fix = [\"y\"]")
+        + &on("\"b.end\"", "fix = [\"x\"]")
+        + &contacts.collect::<String>();
+    let options = ReadOptions { folder: Some(folder.path().to_path_buf()), ..ReadOptions::default() };
+    Case::parse("case.toml", &text, &options).unwrap_or_else(|e| panic!("{e}")).run(&Registry::default())
+}
+
 /// Two tags of one straight side share a function, which has one gap: with a multiplier of each in it the uniform pressure would be lost. One
-/// contact of both and one of each, on a rigid plane and on a body.
+/// contact of both and one of each; tags of one square have no other functions than common ones, whatever their order.
 #[test]
 fn tags_that_adjoin_have_one_multiplier_in_their_common_point() {
     for multiplier in ["p/p", "dual"] {
-        for (parts, one) in [([3, 3], true), ([3, 3], false), ([2, 4], true)] {
-            let folder = tempfile::tempdir().unwrap();
-            std::fs::write(folder.path().join("strip.inp"), strip(&parts)).unwrap();
-            let body = "[[patch]]\nname = \"b\"\ngeometry = { kind = \"file\", file = \"strip.inp\" }\nbackend = \"fe\"\n";
-            let contact = |name: &str, slaves: &str| {
-                format!(
-                    "[[contact]]\nname = \"{name}\"\nslave = {slaves}\nmultiplier = \"{multiplier}\"\n\
-                     rigid = {{ kind = \"half-plane\", point = [0, 1], normal = [0, -1], move = {{ y = \"-0.01\" }} }}\n"
-                )
-            };
-            let contacts = match one {
-                true => contact("c", "[\"b.top0\", \"b.top1\"]"),
-                false => contact("c", "\"b.top0\"") + &contact("d", "\"b.top1\""),
-            };
-            let text = head("fe", 1)
-                + "[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.0\n"
-                + body
-                + &on("\"b.bottom\"", "fix = [\"y\"]")
-                + &on("\"b.end\"", "fix = [\"x\"]")
-                + &contacts;
-            let options = ReadOptions { folder: Some(folder.path().to_path_buf()), ..ReadOptions::default() };
-            let case = Case::parse("case.toml", &text, &options).unwrap_or_else(|e| panic!("{e}"));
-            let result = case.run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        for (parts, slaves) in [
+            (&[3, 3][..], &["top0, top1"][..]),
+            (&[3, 3], &["top0", "top1"]),
+            (&[2, 4], &["top0, top1"]),
+            (&[1, 1, 1], &["top0, top1, top2"]),
+            (&[1, 1, 1], &["top0", "top2", "top1"]),
+            (&[1, 1, 1, 1, 1], &["top1, top3, top2, top0, top4"]),
+        ] {
+            let result = pressed_strip(parts, multiplier, slaves).unwrap_or_else(|e| panic!("{e}"));
             for (_, contact) in result.contact.iter() {
                 for found in [contact.pressure.min, contact.pressure.max] {
-                    close(found, 0.01, 1e-9, &format!("{multiplier} {parts:?} {one}"));
+                    close(found, 0.01, 1e-9, &format!("{multiplier} {parts:?} {slaves:?}"));
                 }
             }
         }
@@ -481,6 +487,7 @@ fn parts_across_the_seam_of_a_ring_are_pressed_like_the_ring() {
     }
 }
 
+/// The code and message of a case that is refused.
 fn refused(text: &str) -> String {
     let case = read(text, &[]);
     let found = case.run(&Registry::default()).unwrap_err();
