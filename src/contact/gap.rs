@@ -87,11 +87,16 @@ pub enum Opponent<'a, const S: usize, const N: usize, T: Real = f64> {
 }
 
 /// The opponent if it has a body, the segments of the points that face it, and their frames.
-pub(super) type Faced<'a, const S: usize, const N: usize, T> = (Option<Side<'a, S, N, T>>, Segments<S, T>, ContactKinematics<N, T>);
+pub(super) type OpposingSegments<'a, const S: usize, const N: usize, T> =
+    (Option<Side<'a, S, N, T>>, Segments<S, T>, ContactKinematics<N, T>);
 
 impl<'a, const S: usize, const N: usize, T: Real> Opponent<'a, S, N, T> {
     /// The points of `segments` of `slave` that face it, with their frames.
-    pub(super) fn faced_by(self, slave: Side<'_, S, N, T>, segments: &Segments<S, T>) -> Result<Faced<'a, S, N, T>, ContactError> {
+    pub(super) fn faced_by(
+        self,
+        slave: Side<'_, S, N, T>,
+        segments: &Segments<S, T>,
+    ) -> Result<OpposingSegments<'a, S, N, T>, ContactError> {
         Ok(match self {
             Opponent::Master(master) => {
                 let (segments, frames) = ContactKinematics::against_master(slave.trace, master.trace, segments)?;

@@ -103,7 +103,7 @@ pub(super) struct Joint<'a, const S: usize, const N: usize> {
 }
 
 /// The footprints of a slave side and what it faces, and which elements face each other.
-type Faced<'a, const S: usize, const N: usize> = (Vec<Footprint<'a, S, N>>, BTreeSet<(usize, usize, usize)>);
+type Footprints<'a, const S: usize, const N: usize> = (Vec<Footprint<'a, S, N>>, BTreeSet<(usize, usize, usize)>);
 
 impl<const S: usize, const N: usize> Joint<'_, S, N> {
     pub fn is_tie(&self) -> bool {
@@ -130,7 +130,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 }
 
-fn of_tie<const S: usize, const N: usize>(part: &TiePart<S, N>) -> Faced<'_, S, N> {
+fn of_tie<const S: usize, const N: usize>(part: &TiePart<S, N>) -> Footprints<'_, S, N> {
     let slave = Footprint::new(&part.slave, part.pairings.iter().map(|pairing| &pairing.segments), false, &Some);
     let masters = part.pairings.iter().map(|pairing| Footprint::new(&pairing.master, [&pairing.segments], true, &Some));
     let pairs = part.pairings.iter().enumerate().flat_map(|(k, pairing)| {
@@ -141,7 +141,11 @@ fn of_tie<const S: usize, const N: usize>(part: &TiePart<S, N>) -> Faced<'_, S, 
     (std::iter::once(slave).chain(masters).collect(), pairs)
 }
 
-fn of_contact<'a, const S: usize, const N: usize>(contact: &ContactModel<S, N>, part: &'a ContactPart<S, N>, t: f64) -> Faced<'a, S, N> {
+fn of_contact<'a, const S: usize, const N: usize>(
+    contact: &ContactModel<S, N>,
+    part: &'a ContactPart<S, N>,
+    t: f64,
+) -> Footprints<'a, S, N> {
     let moved = match &part.against {
         Opposing::Rigid(obstacle, ..) if obstacle.changes => Some(faced(&part.slave, &part.against, contact.reach, t)),
         _ => None,

@@ -18,7 +18,7 @@ const PARALLEL: f64 = 1e-9;
 const NO_DEFECT: f64 = 1e-9;
 
 /// A direction that a statement prescribes in all functions of a side, an edge or a corner.
-struct Known<'a, const N: usize> {
+struct StatedDirection<'a, const N: usize> {
     of: Statement,
     label: &'a str,
     functions: HashSet<usize>,
@@ -48,21 +48,28 @@ impl<const S: usize, const N: usize> Model<S, N> {
     }
 
     /// Directions that supports prescribe, but for curved sides.
-    fn known_directions(&self) -> Vec<Known<'_, N>> {
+    fn known_directions(&self) -> Vec<StatedDirection<'_, N>> {
         let axis = |c: usize| Vector::from_fn(|k, _| f64::from(u8::from(k == c)));
         let of_model = |patch: usize, functions: &[usize]| functions.iter().map(|&f| self.function(patch, f)).collect();
-        let mut all: Vec<Known<'_, N>> = Vec::new();
+        let mut all: Vec<StatedDirection<'_, N>> = Vec::new();
         for c in &self.conditions {
             let (functions, direction) = (of_model(c.side.patch, &c.side.trace.dofs), axis(c.component));
-            all.push(Known { of: c.of, label: &c.side.label, functions, direction, value: &c.value, patch: c.side.patch });
+            all.push(StatedDirection { of: c.of, label: &c.side.label, functions, direction, value: &c.value, patch: c.side.patch });
         }
         for p in &self.pins {
             let (functions, direction) = (of_model(p.rim.patch, &p.rim.rim.functions()), axis(p.component));
-            all.push(Known { of: p.of, label: &p.rim.label, functions, direction, value: &p.value, patch: p.rim.patch });
+            all.push(StatedDirection { of: p.of, label: &p.rim.label, functions, direction, value: &p.value, patch: p.rim.patch });
         }
         for h in &self.held {
             let functions = of_model(h.side.patch, &h.side.trace.dofs);
-            all.push(Known { of: h.of, label: &h.side.label, functions, direction: h.direction, value: &Value::Zero, patch: h.side.patch });
+            all.push(StatedDirection {
+                of: h.of,
+                label: &h.side.label,
+                functions,
+                direction: h.direction,
+                value: &Value::Zero,
+                patch: h.side.patch,
+            });
         }
         all
     }
@@ -72,10 +79,10 @@ impl<const S: usize, const N: usize> Model<S, N> {
         &self,
         slide: &SampledSlide<'_, S, N>,
         before: &[SampledSlide<'a, S, N>],
-        known: &'a [Known<'a, N>],
+        known: &'a [StatedDirection<'a, N>],
         t: f64,
     ) -> Option<(f64, Vec<(Statement, &'a str)>)> {
-        let value = |k: &Known<'_, N>, x: &Vector<N>| match k.value {
+        let value = |k: &StatedDirection<'_, N>, x: &Vector<N>| match k.value {
             Value::Zero => 0.0,
             Value::Data(f) => f.value(&Point::new(x.as_slice()).at_time(t)),
             Value::Exact => {
@@ -86,7 +93,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         };
         let mut worst: Option<(f64, Vec<(Statement, &str)>)> = None;
         for point in &slide.points {
-            let holds = |k: &&Known<'_, N>| point.functions.iter().all(|f| k.functions.contains(&f.0));
+            let holds = |k: &&StatedDirection<'_, N>| point.functions.iter().all(|f| k.functions.contains(&f.0));
             let mut there: Vec<(Vector<N>, f64, (Statement, &str))> =
                 known.iter().filter(holds).map(|k| (k.direction, value(k, &point.x), (k.of, k.label))).collect();
             // data without a value in the point itself, such as those of a corner, are projected there

@@ -120,6 +120,9 @@ fn gaps_that_facets_leave_between_surfaces_that_touch_are_closed() {
         "{:?}",
         told.warnings
     );
+    // a gap that is said, whatever the sides are, has no facets
+    let said = &rings("gap = \"-1e-3\"\n");
+    assert!(!said.warnings.iter().any(|w| w.message.contains("facets")), "{:?}", said.warnings);
     // as meshed, the corners alone carry
     let fit = &rings("").contact["fit"];
     assert!(
@@ -141,7 +144,7 @@ fn fits_that_are_drawn_and_closed_are_told() {
         assert!(told.help.as_ref().is_some_and(|h| h.contains("`gap`")), "{told:?}");
     }
     // exact sides are where they are drawn: nothing is closed, and the fit presses
-    for bore in [0.998, 0.9999] {
+    for bore in [0.998, 0.9999, 1.0] {
         let found = fit("backend = \"fe\"\nmapping = \"exact\"\ndegree = 2", bore, "adjust = true\n");
         assert!(found.warnings.is_empty() && found.contact["fit"].pressure.min > 0.0, "{bore}: {:?}", found.warnings);
     }

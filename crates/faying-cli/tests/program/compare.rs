@@ -172,6 +172,18 @@ fn levels_halve_elements_and_rates_are_those_of_theory() {
     assert!(rows[3]["rates"]["middle"].as_f64().unwrap() > 2.5);
 }
 
+/// A field that every level holds: its errors are rounding, and grow.
+#[test]
+fn errors_that_are_rounding_have_no_rates() {
+    let at = folder(&PAIR.replace("sin(pi*x)*y", "x + 2*y"));
+    let (exit, study) = told(at.path(), &["compare", "a.toml", "--levels", "3"]);
+    assert_eq!(exit, 0);
+    for row in study["rows"].as_array().unwrap() {
+        assert!(row["errors"]["error.u.L2.rel"].as_f64().unwrap() < 1e-13, "{row}");
+        assert!(row["rates"].get("error.u.L2").is_none(), "{row}");
+    }
+}
+
 #[test]
 fn checks_on_rates_are_decided_on_the_last_level() {
     let check = |bound: f64| format!("{SQUARE}[[check]]\nname = \"order\"\nquantity = \"rate.error.u.L2\"\nabove = {bound}\n");

@@ -140,7 +140,7 @@ fn of_pressure(warning: &Warning, name: &str) -> Option<(String, &'static str)> 
                 short(*pressure),
                 short(*height)
             ),
-            "write mapping = \"exact\", or method = \"lagrange\", or take smaller elements or a higher degree where sides are curved",
+            "write mapping = \"exact\", or method = \"lagrange\" with multiplier = \"p/p-2\", or take smaller elements or a higher degree where sides are curved",
         ),
         Warning::Tension { least, largest, .. } => (
             format!(
