@@ -29,6 +29,11 @@ impl CouplingBalance {
         }
     }
 
+    /// The sum of the forces on both bodies [force].
+    pub fn sum(&self) -> [f64; 3] {
+        self.sum
+    }
+
     /// The largest component of the sum, as a share of all forces.
     pub fn defect(&self) -> f64 {
         if self.size > 0.0 { self.sum.iter().fold(0.0, |m: f64, d| m.max(d.abs())) / self.size } else { 0.0 }

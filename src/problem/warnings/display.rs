@@ -52,18 +52,8 @@ impl Display for Warning {
             Self::Facets { of, sag, gap } => {
                 write!(f, "{of}: facets leave the surface that they stand for by {}, of a mean gap of {}", digits(*sag), digits(*gap))
             }
-            Self::DualConstants { of, slave, degree } => {
-                write!(f, "the dual multiplier of {of} holds constants only on {slave} of degree {degree}: errors fall as at degree 2")
-            }
-            Self::MixedMultiplier { of, slave, degree, multiplier, order } => write!(
-                f,
-                "mixed integration of {of} with a multiplier of degree {multiplier} on {slave} of degree {degree}: errors of u may fall with order {order}"
-            ),
-            Self::RoundKink { of, slave } => {
-                write!(
-                    f,
-                    "the multiplier of {of} runs round an edge of {slave}: tractions jump there, and those of a constant stress are not held"
-                )
+            Self::DualConstants { .. } | Self::MixedMultiplier { .. } | Self::RoundKink { .. } | Self::UnevenGap { .. } => {
+                multiplier(self, f)
             }
             Self::HardlyHeld { of, motions, share } => {
                 let (motions, share) = (motions.join(", "), digits(*share));
@@ -76,6 +66,12 @@ impl Display for Warning {
             Self::Inexact(found) => inexact(found, f),
             Self::Integration { of, error } => {
                 write!(f, "the integration of {of} is inexact: its consistency error is {}", percent(*error))
+            }
+            Self::Unbalanced { of, moved } => {
+                write!(
+                    f,
+                    "the forces of mixed integration of {of} on both bodies differ, and springs that take the difference let them move by {moved:.3e}"
+                )
             }
             Self::LeftOpen { of } => write!(f, "pieces of the exact solution meet so near to {of} that it is open which one is its own"),
             Self::Sliding { of, error } => {
@@ -109,6 +105,31 @@ impl Display for Warning {
             }
             Self::Kinematics { of, strain, rotation, allowed } => kinematics(of, [strain, rotation], *allowed, f),
         }
+    }
+}
+
+/// Warnings about multipliers in words.
+fn multiplier(warning: &Warning, f: &mut Formatter<'_>) -> Result {
+    match warning {
+        Warning::DualConstants { of, slave, degree } => {
+            write!(f, "the dual multiplier of {of} holds constants only on {slave} of degree {degree}: errors fall as at degree 2")
+        }
+        Warning::MixedMultiplier { of, slave, degree, multiplier, order } => write!(
+            f,
+            "mixed integration of {of} with a multiplier of degree {multiplier} on {slave} of degree {degree}: errors of u may fall with order {order}"
+        ),
+        Warning::RoundKink { of, slave } => {
+            write!(
+                f,
+                "the multiplier of {of} runs round an edge of {slave}: tractions jump there, and those of a constant stress are not held"
+            )
+        }
+        Warning::UnevenGap { of, slave, share } => write!(
+            f,
+            "the sides of {of} are apart by unlike distances along {slave}: its multiplier may be off by {} of the stress of linear fields",
+            percent(*share)
+        ),
+        _ => Ok(()),
     }
 }
 

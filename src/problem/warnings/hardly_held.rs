@@ -23,17 +23,27 @@ use nalgebra::{DMatrix, DVector};
 /// Springs and foundations with less than this fraction of the stiffness of the bodies they hold are soft.
 const SOFT: f64 = 1e-5;
 
-/// Finds the motions that springs hold with too small a fraction of the bodies' stiffness at time `t`.
-pub(super) fn hardly_held<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Vec<Warning> {
+/// Rigid motions that springs alone hold.
+pub(super) struct HeldBySprings<const N: usize> {
+    pub bodies: RigidBodies,
+    pub modes: RigidModes<N>,
+    /// Z, orthonormal columns of modes of the bodies.
+    pub left: DMatrix<f64>,
+    /// ∫ k (d . u)² ds of the modes.
+    pub stiffness: DMatrix<f64>,
+}
+
+/// The motions that springs and foundations alone hold at time `t`; `None` if there are none.
+pub(super) fn held_by_springs<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Option<HeldBySprings<N>> {
     if model.springs.is_empty() && model.foundations.is_empty() {
-        return Vec::new();
+        return None;
     }
     let bodies = RigidBodies::of(model);
     let (modes, mut forms) = rigid_forms(model, &bodies, None, Ties::Functions);
     forms.extend(closed_forms(model, &modes, &bodies));
     let left = modes.null(&forms);
     if left.ncols() == 0 {
-        return Vec::new();
+        return None;
     }
     let n = left.nrows();
     let mut springs = DMatrix::<f64>::zeros(n, n);
@@ -64,6 +74,13 @@ pub(super) fn hardly_held<const S: usize, const N: usize>(model: &Model<S, N>, t
             }
         }
     }
+    Some(HeldBySprings { bodies, modes, left, stiffness: springs })
+}
+
+/// Finds the motions that springs hold with too small a fraction of the bodies' stiffness at time `t`.
+pub(super) fn hardly_held<const S: usize, const N: usize>(model: &Model<S, N>, t: f64) -> Vec<Warning> {
+    let Some(HeldBySprings { bodies, modes, left, stiffness: springs }) = held_by_springs(model, t) else { return Vec::new() };
+    let n = left.nrows();
     let stiffness = body_stiffness(model, &bodies, modes.num_bodies());
     let weights = DMatrix::from_fn(n, n, |i, j| if i == j { stiffness[i / modes.modes()] } else { 0.0 });
     let (soft, hard) = (left.transpose() * springs * &left, left.transpose() * weights * &left);

@@ -11,9 +11,11 @@
 //! | `facets` | gaps of sides that nearly fit, where facets leave their surface by as much |
 //! | `low_order` | orders of convergence: dual multipliers of splines, mixed integration of low multipliers |
 //! | `round_kink` | tractions beside an edge of a slave side round which its multiplier runs |
+//! | `uneven_gap` | lambda and stresses beside ties of facets that are apart by unlike distances |
 //! | `hardly_held` | motions that only soft springs hold |
 //! | `flux_jumps` | errors against a piecewise exact solution whose flux jumps: its source is not that of the data |
 //! | `integration` | forces through an interface whose rule does not see the other side's functions |
+//! | `unbalanced` | places of bodies on springs, which take what forces of mixed integration lack in balance |
 //! | `left_open` | errors of lambda against a piecewise exact solution, where it is open which piece a side has |
 //! | `sliding` | contact zones, where bodies slide so far that the normal at rest is no longer theirs |
 //! | `rounding` | digits, where the condition number is large: moduli of high contrast |
@@ -59,6 +61,8 @@ mod soft_penalty;
 mod tension;
 mod thin_cells;
 mod too_few_functions;
+mod unbalanced;
+mod uneven_gap;
 mod warning;
 mod zone_extent;
 
@@ -88,6 +92,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
         found.extend(adjusted::adjusted(self));
         found.extend(low_order::low_orders(self));
         found.extend(round_kink::round_kinks(self));
+        found.extend(uneven_gap::uneven_gaps(self));
         found.extend(locking::locking(self, first));
         found.extend(hardly_held::hardly_held(self, first));
         found.extend(flux_jumps::flux_jumps(self, first));
@@ -99,6 +104,7 @@ impl<const S: usize, const N: usize> Model<S, N> {
     /// Warnings about a solution.
     pub fn state_warnings(&self, state: &StepState<S, N>) -> Vec<Warning> {
         let mut found = integration::integration(self, state);
+        found.extend(unbalanced::unbalanced(self, state));
         found.extend(left_open::left_open(self, state));
         found.extend(sliding::sliding(self, state));
         found.extend(rounding::rounding(self, state));

@@ -173,6 +173,15 @@ pub enum Warning {
         /// Label of the slave side.
         slave: String,
     },
+    /// Sides of a tie are apart by unlike distances from one function of its multiplier to the next, which strains the cells beside it.
+    UnevenGap {
+        /// The tie.
+        of: Subject,
+        /// Label of the slave side.
+        slave: String,
+        /// The stress that this takes over that of linear fields, root of the mean square.
+        share: f64,
+    },
     /// A rigid motion that springs alone hold, with less than 1e-5 of the stiffness of the bodies that move.
     HardlyHeld {
         /// The body that moves most.
@@ -202,6 +211,13 @@ pub enum Warning {
         of: Subject,
         /// The consistency error.
         error: f64,
+    },
+    /// Forces of mixed integration on both bodies differ, and springs that alone take the difference let the bodies move by it.
+    Unbalanced {
+        /// The tie or contact.
+        of: Subject,
+        /// The motion of the bodies \[unit of u\].
+        moved: f64,
     },
     /// Pieces of the exact solution meet so near to a slave side that it is open which one is its own: lambda has no error there.
     LeftOpen {
@@ -382,11 +398,13 @@ impl Warning {
             | Self::DualConstants { of, .. }
             | Self::MixedMultiplier { of, .. }
             | Self::RoundKink { of, .. }
+            | Self::UnevenGap { of, .. }
             | Self::HardlyHeld { of, .. }
             | Self::FluxJump { of, .. }
             | Self::Adjusted { of, .. }
             | Self::Locking { of, .. }
             | Self::Integration { of, .. }
+            | Self::Unbalanced { of, .. }
             | Self::LeftOpen { of }
             | Self::Sliding { of, .. }
             | Self::Rounding { of, .. }

@@ -487,6 +487,39 @@ fn parts_across_the_seam_of_a_ring_are_pressed_like_the_ring() {
     }
 }
 
+/// A ring shrunk on another, each of four quarters, 45 degrees apart, on springs. Mixed sums of quarters that are cut by those of the other ring
+/// are out of balance by some 1e-6 of the pressure, which springs that are soft enough turn into a motion of both.
+#[test]
+fn springs_that_take_what_mixed_sums_lack_are_told() {
+    for (spring, integration, is_told) in [(1e-5, "mixed", true), (1e-5, "merged", false), (1.0, "mixed", false)] {
+        let mut text = head("iga", 2) + &material("m", 1.0, 0.3);
+        let names = |what: &str| (0..4).map(|k| what.replace('?', &k.to_string())).collect::<Vec<_>>();
+        for (ring, radii, first, kind) in
+            [("i", [0.6, 1.0], 0, "backend = \"iga\""), ("o", [1.0, 1.5], 45, "backend = \"fe\"\nmapping = \"exact\"")]
+        {
+            for k in 0..4 {
+                let angles = [first + 90 * k, first + 90 * (k + 1)];
+                text += &format!(
+                    "[[patch]]\nname = \"{ring}{k}\"\nelements = [3, 2]\n{kind}\n\
+                     geometry = {{ kind = \"annulus-sector\", radius = {radii:?}, angle_deg = {angles:?} }}\n\
+                     [[interface]]\ncoupling = \"glue\"\nslave = \"{ring}{k}.u1\"\nmaster = \"{ring}{}.u0\"\n",
+                    (k + 1) % 4
+                );
+            }
+        }
+        let ends = [names("o?.v1"), names("i?.v0")].concat();
+        text += &on(&format!("{ends:?}"), &format!("spring = [{spring}, {spring}]"));
+        text += &format!(
+            "[[contact]]\nname = \"fit\"\nslave = {:?}\nmaster = {:?}\ngap = \"g - 0.01\"\nintegration = \"{integration}\"\nmultiplier = \"p/p\"\n",
+            names("i?.v1"),
+            names("o?.v0")
+        );
+        let result = read(&text, &[]).run(&Registry::default()).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        let told = result.warnings.iter().any(|w| w.code == "E065" && w.message.contains("springs alone take the difference"));
+        assert_eq!(told, is_told, "{spring} {integration}: {:?}", result.warnings);
+    }
+}
+
 /// The code and message of a case that is refused.
 fn refused(text: &str) -> String {
     let case = read(text, &[]);

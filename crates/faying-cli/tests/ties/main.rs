@@ -17,3 +17,4 @@ mod poor_numbers;
 mod skeletons;
 mod soft_coupling;
 mod touching;
+mod uneven_gap;

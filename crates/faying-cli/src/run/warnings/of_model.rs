@@ -136,6 +136,16 @@ fn of_slave(case: &Case, of: &Subject, warning: &Warning) -> Option<(&'static st
             multiplier_at(case, of)?,
             "give the walls beside the edge two elements or more, or degree 2".into(),
         ),
+        Warning::UnevenGap { slave, share, .. } => (
+            "E065",
+            format!(
+                "the facets of both sides of \"{name}\" are apart by unlike distances along `{slave}`: lambda and stresses beside it may be off by \
+                 about {} % of the stress of linear fields",
+                percent(*share)
+            ),
+            multiplier_at(case, of)?,
+            "mesh the sides with the same facets, or with elements of order 2 on curved sides; or write coupling = \"nitsche\"".into(),
+        ),
         Warning::MixedMultiplier { slave, degree, multiplier, order, .. } => (
             "E065",
             format!(

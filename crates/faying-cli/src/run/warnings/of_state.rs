@@ -39,6 +39,14 @@ pub fn diagnostic(case: &Case, warning: &Warning) -> Option<Diagnostic> {
             };
             ("E065", text, rule.at, help)
         }
+        Warning::Unbalanced { moved, .. } => {
+            let rule = if is_contact { &case.contacts[of.number].integration } else { &tie()?.integration };
+            let text = format!(
+                "the forces of mixed integration of \"{name}\" on both bodies differ, and springs alone take the difference: all move by about {} for it",
+                short(*moved)
+            );
+            ("E065", text, rule.at, "write integration = \"merged\"; or raise `extra_points`, or hold the bodies")
+        }
         Warning::LeftOpen { .. } => (
             "E017",
             format!("{}: error.{name}.lambda.L2 has no value", left_open(name)),
