@@ -5,7 +5,7 @@
 //! Facets that stand for one smooth surface turn at their faces, too. They are told from the faces of a body by what lies between: elements that no
 //! turning face parts make a plane (or a smooth surface) if two of them have a common face that meets no turning one. Where two such planes meet at
 //! more than 5 degrees their edge is a kink; a chain of facets has no planes. A single element is a wall, like a plane, if it has turning faces to
-//! one neighbour alone (it ends the side), to planes alone or a plane and an end (a chamfer), or if it turns out of one neighbour's plane to the
+//! one neighbour alone (it ends the side), to planes alone or a plane and an end (a chamfer), or in the plane if it turns out of one neighbour's plane to the
 //! outer side and out of another's to the inner side (a step, a zigzag). Facets that meet at more than 50 degrees belong to different surfaces, be
 //! they planes or not.
 
@@ -112,7 +112,9 @@ impl FlatRegions {
         }
         let is_end = |k: usize| beside[k].len() == 1;
         let is_chamfer = |k: usize| beside[k].iter().any(|&o| is_plane[o]) && beside[k].iter().all(|&o| is_plane[o] || is_end(o));
-        let is_wall = |k: usize| is_plane[k] || is_end(k) || is_chamfer(k) || turns[k] == [true; 2];
+        // facets of a curved surface beside an edge of it turn both ways, too: across and along
+        let is_step = |k: usize| N == 2 && turns[k] == [true; 2];
+        let is_wall = |k: usize| is_plane[k] || is_end(k) || is_chamfer(k) || is_step(k);
         let is_wall = (0..count).map(is_wall).collect();
         Self { of, is_plane, is_wall }
     }
@@ -169,7 +171,7 @@ fn joints<const D: usize, const N: usize, T: Real, G: Geometry<D, N, T> + ?Sized
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::basis::BSpline;
+    use crate::basis::{BSpline, TensorProduct};
     use crate::geometry::ControlPoints;
 
     fn pieces(points: Vec<[f64; 2]>, kinks: Kinks) -> Vec<Vec<usize>> {
@@ -189,6 +191,23 @@ mod tests {
         assert_eq!(pieces(roof(0.2), Kinks::OfPlanes), [vec![0, 1], vec![2, 3]]);
         assert_eq!(pieces(roof(0.01), Kinks::OfPlanes).len(), 1);
         assert_eq!(pieces(roof(0.01), Kinks::All).len(), 2);
+    }
+
+    /// A bore with a chamfer of 45 degrees in facets, which turn to the inner side around it and to the outer side along it.
+    #[test]
+    fn facets_of_a_bore_with_a_chamfer_are_no_walls() {
+        let profile = [(0.0, 2.0), (1.0, 2.0), (1.5, 2.5)];
+        let at = |&(z, r): &(f64, f64), k: usize| {
+            let angle = (11.25 * k as f64).to_radians();
+            Vector::<3>::new(r * angle.cos(), r * angle.sin(), z)
+        };
+        let bore = ControlPoints {
+            basis: TensorProduct::new([BSpline::uniform(1, 8, 0), BSpline::uniform(1, 2, 0)]),
+            points: profile.iter().flat_map(|row| (0..=8).map(move |k| at(row, k))).collect(),
+        };
+        for outward in [1.0, -1.0] {
+            assert_eq!(smooth_pieces(&bore, &[outward; 16], Kinks::OfWalls).len(), 1);
+        }
     }
 
     #[test]
