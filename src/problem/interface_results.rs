@@ -1,7 +1,6 @@
 //! Results of ties and contacts: forces between the bodies, and how well they meet.
 
 use super::contact_zone::{ContactZone, HalfWidth};
-use super::coupling_balance::CouplingBalance;
 use super::integrate::on_trace;
 use super::model::{ContactModel, Model, Opposing, TieModel};
 use super::resultant::Resultant;
@@ -104,11 +103,9 @@ impl<const S: usize, const N: usize> TieModel<S, N> {
     /// Its result in a state.
     pub fn result(&self, model: &Model<S, N>, state: &StepState<S, N>) -> TieResult {
         let (mut result, mut pull, mut squares) = (TieResult::default(), Resultant::default(), 0.0);
-        let (mut map, mut balance) = (MapTable::new(), CouplingBalance::default());
+        let (mut map, mut balance) = (MapTable::new(), self.row_balance(model, state));
         for part in &self.parts {
             result.pieces += part.pairings.iter().map(|p| p.segments.num_pieces()).sum::<usize>();
-            let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
-            balance.add(model, part.reaction.as_ref().unwrap_or(&part.rows), lambda);
             // forces of the added stiffness satisfy action and reaction, too
             let mut forces: BTreeMap<usize, f64> = BTreeMap::new();
             let changed = if part.changes(model) { part.stiffness_at(model, state.t).ok() } else { None };
@@ -207,9 +204,9 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             half_width: None,
             displacement: self.obstacle.as_ref().map(|o| o.displacement(state.t, Some(&state.u))),
             consistency: self.consistency(model, built, state),
-            balance: 0.0,
+            balance: self.row_balance(model, built, state).defect(),
         };
-        let (mut zones, mut balance) = (Vec::new(), CouplingBalance::default());
+        let mut zones = Vec::new();
         let rounding = self.rounding_pressure(model, state);
         for (part, rows) in self.parts.iter().zip(built) {
             let lambda = &state.lambda[part.rows()];
@@ -241,11 +238,9 @@ impl<const S: usize, const N: usize> ContactModel<S, N> {
             if let Opposing::Side(..) = part.against {
                 sum.outside = sum.outside.max(rows.segments.report.outside);
                 sum.lost += rows.segments.report.lost.len();
-                balance.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), lambda);
             }
             zones.push(ContactZone { slave: &*part.slave.trace.space, segments: model.along_curve(&rows.segments, &part.slave), sent });
         }
-        sum.balance = balance.defect();
         sum.moment = model.in_space(Resultant { moment: sum.moment, ..Resultant::default() }).moment;
         sum.half_width = half_width(&zones, &|zone, element, xi| self.side_end(model, &state.u, (zone, element, xi)));
         sum

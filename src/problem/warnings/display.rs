@@ -70,7 +70,8 @@ impl Display for Warning {
             Self::Unbalanced { of, moved } => {
                 write!(
                     f,
-                    "the forces of mixed integration of {of} on both bodies differ, and springs that take the difference let them move by {moved:.3e}"
+                    "the forces of mixed integration of {of} on both bodies differ, and springs that take the difference let them move by {}",
+                    digits(*moved)
                 )
             }
             Self::LeftOpen { of } => write!(f, "pieces of the exact solution meet so near to {of} that it is open which one is its own"),

@@ -7,8 +7,7 @@ use super::hardly_held::{HeldBySprings, held_by_springs};
 use super::soft_penalty::moved_by;
 use super::warning::{Subject, Warning};
 use crate::linalg::Union;
-use crate::problem::coupling_balance::CouplingBalance;
-use crate::problem::model::Model;
+use crate::problem::model::{ContactModel, Model, TieModel};
 use crate::problem::state::StepState;
 use nalgebra::DVector;
 
@@ -46,24 +45,14 @@ pub(super) fn unbalanced<const S: usize, const N: usize>(model: &Model<S, N>, st
 
 /// Ties and contacts with mixed integration, the patch of their first slave side, and the sum of the forces on both bodies.
 fn sums<const S: usize, const N: usize>(model: &Model<S, N>, state: &StepState<S, N>) -> Vec<(Subject, usize, [f64; 3])> {
-    let mut found = Vec::new();
-    for (k, tie) in model.ties.iter().enumerate().filter(|(_, t)| t.parts.iter().any(|p| p.pairings.iter().any(|q| q.second.is_some()))) {
-        let mut balance = CouplingBalance::default();
-        for part in &tie.parts {
-            let lambda = &state.lambda[part.first_row..part.first_row + part.num_rows];
-            balance.add(model, part.reaction.as_ref().unwrap_or(&part.rows), lambda);
-        }
-        found.push((Subject::tie(model, k), tie.parts[0].slave.patch, balance.sum()));
-    }
+    let is_mixed = |tie: &TieModel<S, N>| tie.parts.iter().any(|part| part.pairings.iter().any(|p| p.second.is_some()));
+    let ties = model.ties.iter().enumerate().filter(|(_, tie)| is_mixed(tie));
+    let ties = ties.map(|(k, tie)| (Subject::tie(model, k), tie.parts[0].slave.patch, tie.row_balance(model, state).sum()));
     let contacts = model.contacts.iter().zip(&state.contacts).enumerate();
-    for (k, (contact, built)) in contacts.filter(|(_, (contact, _))| contact.parts.iter().any(|part| part.second.is_some())) {
-        let mut balance = CouplingBalance::default();
-        for (part, rows) in contact.parts.iter().zip(built) {
-            balance.add(model, rows.reaction.as_ref().unwrap_or(&rows.rows), &state.lambda[part.rows()]);
-        }
-        found.push((Subject::contact(model, k), contact.parts[0].slave.patch, balance.sum()));
-    }
-    found
+    let contacts = contacts.filter(|(_, (contact, _))| contact.parts.iter().any(|part| part.second.is_some()));
+    let sum = |contact: &ContactModel<S, N>, built| contact.row_balance(model, built, state).sum();
+    let contacts = contacts.map(|(k, (contact, built))| (Subject::contact(model, k), contact.parts[0].slave.patch, sum(contact, built)));
+    ties.chain(contacts).collect()
 }
 
 /// For each patch the number of the bodies that ties and contacts join with its own.
