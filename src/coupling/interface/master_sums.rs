@@ -203,3 +203,47 @@ fn partner<const N: usize, T: Real>(
     let ds = along.norm() * rate.abs();
     (turn != T::zero() && ds.is_finite()).then_some((xi, ds, away.norm()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::basis::BSpline;
+    use crate::geometry::{ControlPoints, Oriented};
+
+    /// Straight elements of degree 2 with these ends.
+    fn chain(mut ends: Vec<[f64; 2]>, turned: bool) -> ControlPoints<BSpline, 2> {
+        if turned {
+            ends.reverse();
+        }
+        let n = ends.len() - 1;
+        let at = |k: usize| Vector::<2>::from_fn(|i, _| 0.5 * (ends[k / 2][i] + ends[k.div_ceil(2)][i]));
+        ControlPoints { basis: BSpline::uniform(2, n, 0), points: (0..=2 * n).map(at).collect() }
+    }
+
+    /// The vertex of two slave elements lies in the middle of a master element, where rules of odd numbers of points have one. Up to rounding it is
+    /// beyond one of the slave elements, or both.
+    #[test]
+    fn points_on_slave_vertices_have_partners_there() {
+        for (d, turned) in [0.0, 0.001, 0.1, 0.4, 1.0].into_iter().flat_map(|d| (0..4).map(move |turned| (d, turned))) {
+            let [own, other] = [turned % 2 == 1, turned > 1];
+            let slave = chain(vec![[1.6 + d, 0.5], [1.8 + d, 0.75], [2.0 + d, 1.0]], own);
+            let master = chain((0..=3).map(|k| [1.6 + d + 0.4 * f64::from(k) / 3.0, 0.5 + f64::from(k) / 6.0]).collect(), other);
+            let sign = |turned| if turned { -1.0 } else { 1.0 };
+            let slave = Oriented { map: slave, outward: vec![-sign(own); 2] };
+            let master = Oriented { map: master, outward: vec![sign(other); 3] };
+            for points in 3..7 {
+                let found = MasterSums::facing(points, None).segments(&slave, &master).unwrap();
+                let mut table = MapTable::new();
+                let mut moment = 0.0;
+                for k in 0..found.num_pieces() {
+                    for q in found.points(k) {
+                        slave.map(found.slave[k], &[found.slave_xi[q]], Order::Values, &mut table);
+                        moment += table.x[0][0] * found.ds[q];
+                    }
+                }
+                let exact = (1.8 + d) * 0.41_f64.sqrt();
+                assert!((moment - exact).abs() < 1e-13, "{d} {turned} {points}: {:e}", moment - exact);
+            }
+        }
+    }
+}

@@ -259,7 +259,8 @@ impl<G: Geometry<1, N, T>, const N: usize, T: Real> MasterCurve<G, N, T> {
 /// Finds the point of the continued curve of `element` in the plane through `point` at right angles to `along`:
 /// (x(xi) - point) . along = 0 with xi in `bracket`, which may reach beyond the cell. Returns xi.
 ///
-/// Newton's method kept inside the bracket; without a change of sign, the best it finds there.
+/// Newton's method kept inside the bracket; without a change of sign, the end of the bracket that is nearer to the plane: a root at an end may be
+/// beyond it by rounding.
 pub fn crossing<const N: usize, T: Real>(
     curve: &dyn Geometry<1, N, T>,
     element: usize,
@@ -271,7 +272,10 @@ pub fn crossing<const N: usize, T: Real>(
     let [mut lo, mut hi] = bracket;
     curve.map(element, &bracket.map(Vector::<1, T>::new), Order::Values, table);
     let [mut f_lo, f_hi] = [0, 1].map(|k: usize| (table.x[k] - point).dot(along));
-    let mut xi = if f_lo == f_hi { (lo + hi) * lit(0.5) } else { (lo + (hi - lo) * (f_lo / (f_lo - f_hi))).max(lo).min(hi) };
+    if (f_lo < T::zero()) == (f_hi < T::zero()) {
+        return if f_lo.abs() <= f_hi.abs() { lo } else { hi };
+    }
+    let mut xi = (lo + (hi - lo) * (f_lo / (f_lo - f_hi))).max(lo).min(hi);
     for _ in 0..CROSSING_STEPS {
         curve.map(element, &[Vector::<1, T>::new(xi)], Order::Gradients, table);
         let f = (table.x[0] - point).dot(along);
