@@ -5,11 +5,12 @@ use super::super::slave_pieces::{Point, SlavePieces};
 use super::cell_rule::{WeightedPoints, fill};
 use super::chart::Chart;
 use super::facets::{Facet, Facets};
+use super::nearby::{TurningPart, all_parts, any_near, any_turns, parts};
 use super::numbers::ByNumber;
 use super::owner::{Foot, MasterSurface};
 use super::piece::{EdgePiece, LineRule};
 use super::polygon::Polygon;
-use super::regions::{Region, Regions, may_face, regions};
+use super::regions::{Region, Regions, are_apart, regions};
 use super::skeleton::Skeleton;
 use super::slave::Own;
 use crate::basis::Order;
@@ -50,6 +51,8 @@ pub(super) struct Sides<'a> {
     same: ByNumber<(usize, usize), f64>,
     /// Boxes of the slave's elements.
     boxes: Vec<Bounds<3>>,
+    /// Parts of the master's facets, if facets of a side turn much.
+    parts: Vec<Vec<TurningPart>>,
 }
 
 /// Scratch memory of a thread from one element to the next: points of a region in the chart and in space, their weights, normals and feet.
@@ -86,8 +89,10 @@ impl<'a> Sides<'a> {
         let (skeleton, facets, boxes) = of_slave?;
         let own = [TensorRule::<2>::gauss([points + 4; 2]).rule(0).clone(), simplex_rule(2 * points + 7)];
         let lines = (0..=MOST_POINTS.max(2 * points + 3)).map(|n| LineRule::new(n.max(1))).collect();
-        let mut sides =
-            Self { slave: facets, skeleton, master: of_master?, partners, points, sizes, lines, own, same: ByNumber::default(), boxes };
+        let master = of_master?;
+        let parts = if any_turns(&facets) || any_turns(&master.facets) { all_parts(&master.facets) } else { Vec::new() };
+        let same = ByNumber::default();
+        let mut sides = Self { slave: facets, skeleton, master, partners, points, sizes, lines, own, same, boxes, parts };
         sides.orient();
         Ok(sides)
     }
@@ -239,10 +244,20 @@ impl<'a> Sides<'a> {
         };
         let extent = bounds.diagonal();
         let (allowed, _) = self.partners.allowed(self.sizes[1], self.sizes[0], [extent; 2]);
-        let margin = if self.partners.touch() { allowed } else { self.reach(work, allowed, table) };
-        let found = self.master.candidates(&bounds.inflated(margin + SLACK * extent));
+        let margin = if self.partners.touch() && allowed.is_finite() { allowed } else { self.reach(work, allowed, table) };
+        let around = margin + SLACK * extent;
+        // sides that touch do so in every part; elsewhere the distance to the partners was looked at in some points
+        let reach = if self.partners.touch() { margin } else { around };
+        let found = self.master.candidates(&bounds.inflated(around));
         let signed = found.into_iter().map(|f| (f, self.sign(work.whole, f)));
-        signed.filter(|&(f, sign)| may_face(work.facets, work.facet, &self.master.facets, f, sign)).collect()
+        let cone_of = |facets: &Facets<'_>, f: usize| (facets.list[f].normal, facets.list[f].cone);
+        let (normal, cone) = cone_of(work.facets, work.facet);
+        let parts = if self.parts.is_empty() { Vec::new() } else { parts(work.facets, work.facet, table) };
+        let may_face = |&(f, sign): &(usize, f64)| {
+            let other = cone_of(&self.master.facets, f);
+            !are_apart((&normal, cone), (&other.0, other.1), sign) && (parts.is_empty() || any_near(&parts, &self.parts[f], reach, sign))
+        };
+        signed.filter(may_face).collect()
     }
 
     /// Largest distance of partners of a facet: that at its corners and centre, but not beyond what is allowed.

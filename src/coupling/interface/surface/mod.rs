@@ -17,6 +17,7 @@ mod covered;
 mod element;
 mod facets;
 mod master_sums;
+mod nearby;
 mod numbers;
 mod owner;
 mod parts;

@@ -49,11 +49,11 @@ impl Regions {
     }
 }
 
-/// Whether normals of two facets come within 78 degrees of each other; `sign`: whether they have one orientation (1) or opposite ones (-1).
-pub(super) fn may_face(slave: &Facets<'_>, s: usize, master: &Facets<'_>, f: usize, sign: f64) -> bool {
-    let (a, b) = (&slave.list[s], &master.list[f]);
-    let along = a.normal.dot(&b.normal) * sign;
-    along >= APART_COSINE || a.normal.cross(&b.normal).norm().atan2(along) - a.cone - b.cone <= APART
+/// Whether the normals of two facets, each within an angle of a mean one, are farther apart than 78 degrees everywhere; `sign`: whether they have
+/// one orientation (1) or opposite ones (-1).
+pub(super) fn are_apart(a: (&Vector<3>, f64), b: (&Vector<3>, f64), sign: f64) -> bool {
+    let along = a.0.dot(b.0) * sign;
+    along < APART_COSINE && a.0.cross(b.0).norm().atan2(along) - a.1 - b.1 > APART
 }
 
 /// Makes the regions of a chart from master facets, each with +1 where it has the chart's orientation, -1 where it has the opposite one.
