@@ -9,7 +9,7 @@
 //! ```
 //!
 //! gives its share to a neighbour, N_k' = N_k + N_j: on curves the one with most of what is covered, on surfaces the one with which it has most in
-//! common there, int |N_j| |N_k| ds. The functions stay non-negative and sum to one. Where all
+//! common there, int |N_j| |N_k| ds. Several that are alike in this up to rounding get equal parts, so that rounding decides nothing. The functions stay non-negative and sum to one. Where all
 //! functions of an element are of that kind the neighbour is one of the element beside it, of surfaces of those at its corners, and without
 //! one they stay.
 
@@ -18,21 +18,33 @@ use crate::assembly::element_rule;
 use crate::basis::{Basis, Extracted, Order, ShapeTable};
 use crate::coupling::Segments;
 use crate::geometry::{Geometry, MapTable};
-use crate::linalg::{Real, Vector, measure, to_f64};
+use crate::linalg::{Real, Vector, lit, measure, to_f64};
 use crate::quadrature::Quadrature;
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
 /// Least share of the integral of a function over its elements.
 pub const SLIVER: f64 = 0.1;
+/// Integrals that differ by less than this share of them are the same.
+const SAME: f64 = 1e-6;
 /// Gauss points of an element beyond its degree and one.
 const POINTS: usize = 3;
 
 /// A function that lives on a sliver.
 struct Sliver {
     function: usize,
-    /// The function that takes its share.
-    heir: usize,
+    /// The functions that take its share, in equal parts.
+    heirs: Vec<usize>,
+}
+
+/// Returns those with the greatest value, ascending; none without values.
+fn greatest(values: impl Iterator<Item = (usize, f64)>) -> Vec<usize> {
+    let all: Vec<(usize, f64)> = values.collect();
+    let most = all.iter().fold(f64::NEG_INFINITY, |m, (_, v)| m.max(*v));
+    let mut found: Vec<usize> = all.iter().filter(|(_, v)| *v >= most - SAME * most.abs()).map(|(i, _)| *i).collect();
+    found.sort_unstable();
+    found.dedup();
+    found
 }
 
 /// The functions of `basis` that live on slivers of what `segments` cover of the side `space`.
@@ -56,14 +68,18 @@ pub fn without_slivers<const S: usize, const N: usize, T: Real>(
     if found.is_empty() {
         return basis;
     }
-    let mut rows = vec![None; basis.num_functions()];
-    found.iter().for_each(|s| rows[s.function] = Some(s.heir));
-    let (mut number, mut functions) = (Vec::with_capacity(rows.len()), 0);
-    for heir in &rows {
-        number.push(functions);
-        functions += usize::from(heir.is_none());
+    let mut of: Vec<Vec<usize>> = (0..basis.num_functions()).map(|i| vec![i]).collect();
+    let mut kept = vec![true; of.len()];
+    for Sliver { function, heirs } in found {
+        (of[function], kept[function]) = (heirs, false);
     }
-    let rows = rows.iter().enumerate().map(|(i, heir)| vec![(number[heir.unwrap_or(i)], T::one())]).collect();
+    let (mut number, mut functions) = (Vec::with_capacity(of.len()), 0);
+    for &kept in &kept {
+        number.push(functions);
+        functions += usize::from(kept);
+    }
+    let row = |heirs: &Vec<usize>| heirs.iter().map(|&k| (number[k], T::one() / lit(heirs.len() as f64))).collect();
+    let rows = of.iter().map(row).collect();
     Box::new(Extracted::new::<S>(basis, functions, rows))
 }
 
@@ -120,13 +136,13 @@ impl<'a, const S: usize, const N: usize, T: Real> Covered<'a, S, N, T> {
                 ids.iter().zip(table.values(q)).for_each(|(&i, v)| whole[i] += to_f64(v.abs() * ds));
             }
         }
-        self.is_sliver = (0..n).map(|i| !on_whole[i] && covered[i] > 0.0 && covered[i] < SLIVER * whole[i]).collect();
+        self.is_sliver = (0..n).map(|i| !on_whole[i] && covered[i] > 0.0 && covered[i] < (1.0 - SAME) * SLIVER * whole[i]).collect();
         self.covered = covered;
     }
 
-    /// The function with most of what is covered of those that live on no sliver.
-    fn greatest(&self, ids: impl Iterator<Item = usize>) -> Option<usize> {
-        ids.filter(|&i| !self.is_sliver[i]).max_by(|&a, &b| self.covered[a].total_cmp(&self.covered[b]))
+    /// The functions with most of what is covered of those that live on no sliver.
+    fn most_covered(&self, ids: impl Iterator<Item = usize>) -> Vec<usize> {
+        greatest(ids.filter(|&i| !self.is_sliver[i]).map(|i| (i, self.covered[i])))
     }
 
     /// The functions on slivers that share elements with others, each with the one with which it has most in common on the elements `in_part`.
@@ -146,14 +162,12 @@ impl<'a, const S: usize, const N: usize, T: Real> Covered<'a, S, N, T> {
                 }
             }
         }
-        let most = |(function, with): (usize, BTreeMap<usize, f64>)| {
-            Some(Sliver { function, heir: with.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?.0 })
-        };
-        common.into_iter().filter_map(most).collect()
+        let found = common.into_iter().map(|(function, with)| Sliver { function, heirs: greatest(with.into_iter()) });
+        found.filter(|sliver| !sliver.heirs.is_empty()).collect()
     }
 
-    /// A function of the element beside the end of element `e` of a curve that is covered.
-    fn beside_on_curve(&self, e: usize) -> Option<usize> {
+    /// Functions of the element beside the end of element `e` of a curve that is covered.
+    fn beside_on_curve(&self, e: usize) -> Vec<usize> {
         let (mut map, mut table, mut ids) = (MapTable::new(), ShapeTable::new(), Vec::new());
         let at_end = |at: usize| Vector::<S, T>::repeat(if at == 0 { T::zero() } else { T::one() });
         let mut end = |e: usize, at: usize| {
@@ -166,11 +180,10 @@ impl<'a, const S: usize, const N: usize, T: Real> Covered<'a, S, N, T> {
         let here = end(e, usize::from(first >= 1.0 - last));
         let others = (0..self.own.len()).filter(|&b| b != e && !self.own[b].is_empty());
         let apart = others.flat_map(|b| [0, 1].map(|at| (b, at))).map(|(b, at)| (to_f64((end(b, at) - here).norm()), b, at));
-        let (_, b, at) = apart.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        let Some((_, b, at)) = apart.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Vec::new() };
         self.basis.active(b, &mut ids);
         self.basis.tabulate(b, &[at_end(at)], Order::Values, &mut table);
-        let values = ids.iter().zip(table.values(0)).filter(|(i, _)| !self.is_sliver[**i]);
-        values.max_by(|a, b| to_f64(*a.1).total_cmp(&to_f64(*b.1))).map(|(i, _)| *i)
+        greatest(ids.iter().zip(table.values(0)).filter(|(i, _)| !self.is_sliver[**i]).map(|(&i, v)| (i, to_f64(*v))))
     }
 
     /// Elements at every corner, by its id.
@@ -183,15 +196,15 @@ impl<'a, const S: usize, const N: usize, T: Real> Covered<'a, S, N, T> {
         at
     }
 
-    /// A function of the elements at the corners of element `e` of a surface.
-    fn beside_on_surface(&self, e: usize, at_corners: &HashMap<usize, Vec<usize>>) -> Option<usize> {
+    /// Functions of the elements at the corners of element `e` of a surface.
+    fn beside_on_surface(&self, e: usize, at_corners: &HashMap<usize, Vec<usize>>) -> Vec<usize> {
         let (mut corners, mut ids, mut all) = (Vec::new(), Vec::new(), Vec::new());
         self.basis.corners(e, &mut corners);
         for &other in corners.iter().flat_map(|id| &at_corners[id]).filter(|&&b| b != e && !self.own[b].is_empty()) {
             self.basis.active(other, &mut ids);
             all.extend_from_slice(&ids);
         }
-        self.greatest(all.into_iter())
+        self.most_covered(all.into_iter())
     }
 }
 
@@ -215,8 +228,13 @@ fn slivers<const S: usize, const N: usize, T: Real>(
             continue;
         }
         let beside = || if S == 1 { side.beside_on_curve(e) } else { side.beside_on_surface(e, &at_corners) };
-        let Some(heir) = side.greatest(ids.iter().copied()).or_else(beside) else { continue };
-        found.extend(mine.map(|function| Sliver { function, heir }));
+        let mut heirs = side.most_covered(ids.iter().copied());
+        if heirs.is_empty() {
+            heirs = beside();
+        }
+        if !heirs.is_empty() {
+            found.extend(mine.map(|function| Sliver { function, heirs: heirs.clone() }));
+        }
     }
     found.sort_by_key(|s| s.function);
     found.dedup_by_key(|s| s.function);

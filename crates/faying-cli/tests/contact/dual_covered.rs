@@ -343,3 +343,43 @@ fn a_sliver_of_an_element_carries_no_more_pressure_than_its_neighbours() {
         }
     }
 }
+
+/// Shares of elements that are equal, or a tenth: rounding, which other units change, decides nothing.
+#[test]
+fn units_do_not_change_what_lives_on_slivers() {
+    let plane = |scale: f64| {
+        format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 300.0\npoisson = 0.2\n\
+             [[patch]]\nname = \"lo\"\ngeometry = {{ kind = \"box\", min = [0, 0], max = [2, 1], scale = {scale:?} }}\nelements = [4, 2]\n\
+             [[patch]]\nname = \"up\"\ngeometry = {{ kind = \"box\", min = [0.25, 1], max = [1.55, 2], scale = {scale:?} }}\nelements = [3, 3]\n\
+             [[boundary]]\non = \"lo.bottom\"\nfix = [\"x\", \"y\"]\n[[boundary]]\non = \"up.top\"\ndirichlet = {{ x = 0, y = {:e} }}\n\
+             [[contact]]\nname = \"c\"\nslave = \"lo.top\"\nmaster = \"up.bottom\"\n",
+            -1e-3 * scale
+        )
+    };
+    // an element at a corner has the same in common with both of its neighbours
+    let space = |scale: f64| {
+        let block = |name: &str, min: [f64; 3], max: [f64; 3], elements: [usize; 3], kind: &str| {
+            format!(
+                "[[patch]]\nname = \"{name}\"\ngeometry = {{ kind = \"box\", min = {min:?}, max = {max:?}, scale = {scale:?} }}\n\
+                 elements = {elements:?}\n{kind}"
+            )
+        };
+        String::from("[model]\nphysics = \"elasticity\"\ndimension = 3\n[[material]]\nname = \"m\"\nyoung = 300.0\npoisson = 0.2\n")
+            + &block("lo", [0.0, 0.0, 0.0], [2.0, 1.5, 1.0], [8, 6, 1], "")
+            + &block("up", [0.25, 0.2, 1.0], [1.55, 1.1, 2.0], [2, 2, 1], "backend = \"fe\"\ncells = \"simplex\"\n")
+            + &format!(
+                "[[boundary]]\non = \"lo.bottom\"\nfix = [\"x\", \"y\", \"z\"]\n\
+                 [[boundary]]\non = \"up.top\"\ndirichlet = {{ x = 0, y = 0, z = {:e} }}\n\
+                 [[contact]]\nname = \"c\"\nslave = \"lo.top\"\nmaster = \"up.bottom\"\n",
+                -1e-3 * scale
+            )
+    };
+    for text in [&plane as &dyn Fn(f64) -> String, &space] {
+        let wanted = contact(&solve(&text(1.0), &[]), "c").pressure.max;
+        for scale in [3.0, 0.7, 1e6, 1e-6] {
+            let found = contact(&solve(&text(scale), &[]), "c").pressure.max;
+            assert!((found / wanted - 1.0).abs() < 1e-8, "{scale}: {found} and {wanted}");
+        }
+    }
+}
