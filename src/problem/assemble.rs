@@ -8,6 +8,7 @@ use super::coupled::{Contact, StatedOpponent, Tie};
 use super::curved_slides::SampledSlide;
 use super::data::Data;
 use super::error::{ErrorKind, ProblemError, ProblemErrors};
+use super::facet_owners::FacetOwners;
 use super::facets_apart::FacetsApart;
 use super::fixed::Eliminated;
 use super::handles::{InterfaceId, Statement};
@@ -21,7 +22,7 @@ use super::tie_part::TieCounts;
 use super::touching::Search;
 use super::touching_bodies;
 use crate::space::{SideError, Trace};
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
 
 impl<const S: usize, const N: usize> Problem<S, N>
@@ -217,21 +218,18 @@ impl<const S: usize, const N: usize> Problem<S, N> {
     fn check_slaves(&self, errors: &mut Vec<ProblemError>) {
         let of_ties = self.ties.iter().flat_map(|t| t.own.pairs.iter().map(|p| (&p.slave, t.id().into(), true)));
         let of_contacts = self.contacts.iter().flat_map(|c| c.own.slaves.iter().map(|s| (s, Statement::from(c.id()), false)));
-        let mut known: HashMap<(usize, &str), Vec<(&Arc<BodySide<S, N>>, Statement, bool)>> = HashMap::new();
-        for (slave, id, is_tied) in of_ties.chain(of_contacts) {
-            let before = known.entry((slave.patch, &slave.side)).or_default();
-            let meets = |(other, _, tied): &&(&Arc<BodySide<S, N>>, Statement, bool)| match Arc::ptr_eq(other, slave) {
-                true => is_tied && *tied,
-                false => {
-                    let elements: HashSet<usize> = other.trace.facets.iter().map(|facet| facet.element).collect();
-                    let mut near = slave.trace.facets.iter().filter(|facet| elements.contains(&facet.element));
-                    near.any(|facet| other.trace.facets.contains(facet))
-                }
-            };
-            if let Some((_, first, _)) = before.iter().find(meets) {
-                errors.push(ProblemError::new(ErrorKind::SlaveTwice, vec![*first, id], vec![slave.label.clone()]));
+        let all: Vec<(&Arc<BodySide<S, N>>, Statement, bool)> = of_ties.chain(of_contacts).collect();
+        let mut before = FacetOwners::new();
+        for (number, &(slave, id, is_tied)) in all.iter().enumerate() {
+            let meets = |&other: &usize| !Arc::ptr_eq(all[other].0, slave) || is_tied && all[other].2;
+            if let Some(first) = before.of(slave).find(meets) {
+                errors.push(ProblemError::new(
+                    ErrorKind::SlaveTwice,
+                    vec![all[first].1, id],
+                    vec![slave.label.clone(), all[first].0.label.clone()],
+                ));
             }
-            before.push((slave, id, is_tied));
+            before.add(slave, number);
         }
     }
 

@@ -198,7 +198,7 @@ pub enum ErrorKind {
         /// The reason.
         error: InterfaceError,
     },
-    /// A side that is the slave of two ties.
+    /// A side with facets that are slave twice: its name and that of the other one.
     SlaveTwice,
     /// A side that meets itself, or two sides that are slave and master of each other.
     BothWays,

@@ -44,6 +44,7 @@ mod error;
 mod exact_data;
 mod exact_lambda;
 mod extremes;
+mod facet_owners;
 mod facets_apart;
 mod facing_obstacle;
 mod fixed;

@@ -3,6 +3,7 @@
 
 use super::builder::Problem;
 use super::error::{ErrorKind, ProblemError};
+use super::facet_owners::FacetOwners;
 use super::handles::{BodyId, Kind, Region, RegionId, SideOf};
 use super::model::{BodyRim, BodySide};
 use super::regions::RegionPart;
@@ -99,6 +100,24 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             }
         }
         Ok(self.new_region(all))
+    }
+
+    /// The first two of `regions` whose sides have a facet in common, where loads of both would act twice.
+    pub fn overlap(&self, regions: &[RegionId]) -> Option<[usize; 2]> {
+        let mut before = FacetOwners::new();
+        for (number, region) in regions.iter().enumerate().filter(|(_, region)| self.identity.knows(**region)) {
+            let sides = || {
+                self.regions.pieces(region.number).iter().filter_map(|piece| match piece {
+                    RegionPart::Side(side) => Some(side),
+                    RegionPart::Rim(_) => None,
+                })
+            };
+            if let Some(first) = sides().find_map(|side| before.of(side).next()) {
+                return Some([first, number]);
+            }
+            sides().for_each(|side| before.add(side, number));
+        }
+        None
     }
 
     fn new_region(&mut self, pieces: Vec<RegionPart<S, N>>) -> RegionId {

@@ -85,7 +85,8 @@ pub const CODES: &[Code] = &[
         "E016",
         3,
         "duplicate or bad name",
-        "Names consist of letters, digits, `_` and `-`, and are unique within their kind; interfaces and contacts share one set of names.",
+        "Names consist of letters, digits, `_` and `-`, and are unique within their kind; interfaces and contacts share one set of names. \
+         Or a list names a side twice, or tags of a mesh that have facets in common: loads and springs would act twice there.",
         "[[patch]]\nname = \"lower block\"  # a blank in a name",
         "use letters, digits, `_` and `-`, and each name once: name = \"lower-block\".",
     ),
@@ -170,7 +171,7 @@ pub const CODES: &[Code] = &[
         "E026",
         3,
         "side slave twice, or its own master",
-        "A side carries one multiplier: it may be slave once. It cannot be its own master, and two sides are coupled by one block: not again with slave and master exchanged.",
+        "A side carries one multiplier: it may be slave once, and so may every facet of the tags of a mesh. It cannot be its own master, and two sides are coupled by one block: not again with slave and master exchanged.",
         "slave = \"a.top\", master = \"b.bottom\"     # and in a second block:\nslave = \"a.top\", master = \"c.bottom\"",
         "write one block with a list of masters.",
     ),

@@ -21,7 +21,7 @@ pub(super) fn say<const S: usize, const N: usize>(
     for number in 0..context.case.boundaries.len() {
         let block = &context.case.boundaries[number];
         let mut said = Block { context, problem, places, number, block, centres: Centres::default() };
-        let (mut on, mut rims, mut faults) = (Vec::with_capacity(block.on.len()), Vec::new(), Vec::new());
+        let (mut on, mut named, mut rims, mut faults) = (Vec::with_capacity(block.on.len()), Vec::new(), Vec::new(), Vec::new());
         for wanted in &block.on {
             // sides coupled to another side are not outer sides
             if block.all_outer && couples.hold(wanted.value.patch, &wanted.value.side) {
@@ -29,7 +29,10 @@ pub(super) fn say<const S: usize, const N: usize>(
             }
             let made = match said.below_sides(wanted) {
                 Some(below) => said.on_below(wanted, &below).map(|rim| rims.push(rim)),
-                None => said.side(wanted).map(|side| on.extend(side)),
+                None => said.side(wanted).map(|side| {
+                    named.extend(side.map(|_| wanted));
+                    on.extend(side);
+                }),
             };
             faults.extend(made.err().map(|fault| *fault));
         }
@@ -38,6 +41,7 @@ pub(super) fn say<const S: usize, const N: usize>(
             let name = block.name.value.as_str();
             faults.extend(parts::cut(said.context, said.problem, said.places, (name, filter), &sides, &on));
         }
+        faults.extend(said.twice(&on, &named));
         faults.extend(on.iter().filter_map(|side| said.on_side(*side).err()).map(|fault| *fault));
         let all = [&on[..], &rims].concat();
         faults.extend(said.on_all(&all).err().map(|fault| *fault));
@@ -113,6 +117,19 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
         let side = self.places.bodies[wanted.value.patch].side(&wanted.value.side);
         let made = self.problem.region(side);
         made.map(Some).map_err(|error| Box::new(refused(self.context, self.problem, &error, wanted)))
+    }
+
+    /// Sides of the block, `named` so, that have facets in common, on which its loads and springs would act twice.
+    fn twice(&self, on: &[RegionId], named: &[&Located<SideRef>]) -> Option<Diagnostic> {
+        let block = self.block;
+        let lists = [&block.spring, &block.force, &block.rigid_force];
+        let acts =
+            block.pressure.is_some() || block.traction.iter().any(Option::is_some) || lists.iter().any(|list| each(list).next().is_some());
+        let [first, second] = self.problem.overlap(on).filter(|_| acts)?;
+        let label = |k: usize| format!("{}.{}", self.context.case.patches[named[k].value.patch].name.value, named[k].value.side);
+        let text =
+            format!("`{}` has facets of `{}`, named in `on` before: loads and springs would act twice there", label(second), label(first));
+        Some(self.error("E016", text, named[second].at).with_help("name every facet once, or give each of them a block if both are meant"))
     }
 
     /// The edge, the corner or the named part of a mesh of a reference; `None` of a side.

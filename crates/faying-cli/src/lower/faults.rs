@@ -115,10 +115,12 @@ fn fault<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, place
         ErrorKind::Glue(of_sides) => glue::fault(context, at, error.names(), of_sides),
         ErrorKind::SlaveTwice => {
             let first = said(0).and_then(|s| s.at.in_file()).map_or(String::new(), |(line, _)| format!(": in line {line} already"));
-            let text = format!("`{}` has facets that are slave twice{first}", error.names()[0]);
-            context
-                .error("E026", text, at)
-                .with_help("let the `where` of one end where that of the other begins: facets count by their centres")
+            let (slave, other) = (&error.names()[0], &error.names()[1]);
+            let other = if slave == other { String::new() } else { format!(", with `{other}`") };
+            let text = format!("`{slave}` has facets that are slave twice{other}{first}");
+            context.error("E026", text, at).with_help(
+                "let the `where` of one end where that of the other begins: facets count by their centres; of tags of a mesh name such as have no facets in common",
+            )
         }
         ErrorKind::NoExact => {
             context.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")

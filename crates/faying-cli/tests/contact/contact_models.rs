@@ -460,6 +460,37 @@ fn tags_that_adjoin_have_one_multiplier_in_their_common_point() {
     }
 }
 
+/// Tags of a mesh that have facets in common: their multipliers would be two there, and their loads act twice.
+#[test]
+fn tags_with_facets_in_common_are_refused() {
+    for slaves in [&["top, top0"][..], &["top", "top0"]] {
+        let faults = pressed_strip(&[2, 4], "p/p", slaves).unwrap_err().to_string();
+        assert!(
+            faults.contains("E026") && faults.contains("`b.top0` has facets that are slave twice, with `b.top`"),
+            "{slaves:?}: {faults}"
+        );
+    }
+    let loaded = |list: &str, load: &str| {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("strip.inp"), strip(&[2, 4])).unwrap();
+        let text = head("fe", 1)
+            + "[[material]]\nname = \"m\"\nyoung = 1.0\npoisson = 0.0\n"
+            + "[[patch]]\nname = \"b\"\ngeometry = { kind = \"file\", file = \"strip.inp\" }\nbackend = \"fe\"\n"
+            + &on("\"b.bottom\"", "fix = [\"y\"]")
+            + &on("\"b.end\"", "fix = [\"x\"]")
+            + &on(list, load);
+        let options = ReadOptions { folder: Some(folder.path().to_path_buf()), ..ReadOptions::default() };
+        Case::parse("case.toml", &text, &options).unwrap_or_else(|e| panic!("{e}")).run(&Registry::default())
+    };
+    for load in ["pressure = 1e-3", "traction = { y = 1e-3 }", "force = { y = 1e-3 }", "spring = { y = 1.0 }"] {
+        let faults = loaded("[\"b.top\", \"b.top0\"]", load).unwrap_err().to_string();
+        assert!(faults.contains("E016") && faults.contains("`b.top0` has facets of `b.top`"), "{load}: {faults}");
+        assert!(loaded("[\"b.top0\", \"b.top1\"]", load).is_ok(), "{load}");
+    }
+    // what is held is held once, however often it is named
+    assert!(loaded("[\"b.top\", \"b.top0\"]", "fix = [\"y\"]").is_ok());
+}
+
 /// A closed ring pressed from inside, whole and in parts of which one lies across its seam: pressures are uniform but for the elements.
 #[test]
 fn parts_across_the_seam_of_a_ring_are_pressed_like_the_ring() {
