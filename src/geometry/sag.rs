@@ -69,10 +69,15 @@ impl<const D: usize, const N: usize, T: Real> Sag<D, N, T> {
     /// Estimates the deviation of all facets of `side`; `outward` as of a [trace](crate::space::Trace): +1 or -1 times the cross product
     /// of the tangents.
     pub fn of<G: Geometry<D, N, T> + ?Sized>(side: &G, outward: &[T]) -> Self {
+        Self::between(side, outward, Kinks::OfPlanes)
+    }
+
+    /// Estimates the deviation as [`of`](Self::of); facets on both sides of these `kinks` belong to different surfaces.
+    pub fn between<G: Geometry<D, N, T> + ?Sized>(side: &G, outward: &[T], kinks: Kinks) -> Self {
         let facets: Vec<Facet<D, N, T>> =
             parallel::map_init(side.num_elements(), MapTable::new, |table, e| facet(side, e, outward[e], table));
         let mut piece = vec![0; facets.len()];
-        smooth_pieces(side, outward, Kinks::OfPlanes).iter().enumerate().for_each(|(k, own)| own.iter().for_each(|&f| piece[f] = k));
+        smooth_pieces(side, outward, kinks).iter().enumerate().for_each(|(k, own)| own.iter().for_each(|&f| piece[f] = k));
         let corners: Vec<(usize, usize)> = facets.iter().enumerate().flat_map(|(f, c)| (0..c.x.len()).map(move |k| (f, k))).collect();
         let tree = Tree::new(corners.iter().map(|&(f, k)| Bounds { lo: facets[f].x[k], hi: facets[f].x[k] }).collect());
         let (greatest, edges) = parallel::map(facets.len(), |f| {
@@ -107,6 +112,15 @@ impl<const D: usize, const N: usize, T: Real> Sag<D, N, T> {
         match self.parts.get(facet) {
             None => bulge(&self.edges[facet], cell, xi),
             Some((whole, origin, axes)) => bulge(&self.edges[facet], *whole, &(origin + axes * xi)),
+        }
+    }
+
+    /// The deviation of some of the facets.
+    pub fn of_elements(&self, elements: &[usize]) -> Self {
+        Self {
+            greatest: elements.iter().map(|&e| self.greatest[e]).collect(),
+            edges: elements.iter().map(|&e| self.edges[e]).collect(),
+            parts: elements.iter().filter_map(|&e| self.parts.get(e).copied()).collect(),
         }
     }
 

@@ -37,6 +37,8 @@ pub enum Kinks {
     OfPlanes,
     /// Edges of planes and walls, and all of more than 50 degrees.
     OfWalls,
+    /// Edges of walls as above, but for those of two single elements that have no other neighbours: they may be two chords of an arc.
+    OfSureWalls,
     /// These, and all of more than 20 degrees: no facets of a surface that is resolved.
     Steep,
 }
@@ -66,9 +68,10 @@ where
     let is_kink = |joint: &&Joint<N, T>| match kinks {
         Kinks::All => joint.turn > lit(TURNING),
         Kinks::OfPlanes => joint.turn > lit(KINK) && regions.is_edge(&regions.is_plane, joint.elements),
-        Kinks::OfWalls | Kinks::Steep => {
+        Kinks::OfWalls | Kinks::OfSureWalls | Kinks::Steep => {
             let steep = if kinks == Kinks::Steep { STEEP } else { SHARP };
-            joint.turn > lit(steep) || joint.turn > lit(KINK) && regions.is_edge(&regions.is_wall, joint.elements)
+            let is_edge = joint.turn > lit(KINK) && regions.is_edge(&regions.is_wall, joint.elements);
+            joint.turn > lit(steep) || is_edge && !(kinks == Kinks::OfSureWalls && regions.are_two_facets(joint.elements))
         }
     };
     if !joints.iter().any(|j| is_kink(&j)) {
@@ -89,6 +92,8 @@ struct FlatRegions {
     is_plane: Vec<bool>,
     /// Whether it is a plane, or a wall by its turning faces of 50 degrees and less.
     is_wall: Vec<bool>,
+    /// Whether it turns to one neighbour alone.
+    is_end: Vec<bool>,
 }
 
 impl FlatRegions {
@@ -110,18 +115,23 @@ impl FlatRegions {
                 [a, b].iter().for_each(|&k| turns[k][usize::from(joint.is_hollow)] |= joint.turn > lit(KINK));
             }
         }
-        let is_end = |k: usize| beside[k].len() == 1;
-        let is_chamfer = |k: usize| beside[k].iter().any(|&o| is_plane[o]) && beside[k].iter().all(|&o| is_plane[o] || is_end(o));
+        let is_end: Vec<bool> = beside.iter().map(|beside| beside.len() == 1).collect();
+        let is_chamfer = |k: usize| beside[k].iter().any(|&o| is_plane[o]) && beside[k].iter().all(|&o| is_plane[o] || is_end[o]);
         // facets of a curved surface beside an edge of it turn both ways, too: across and along
         let is_step = |k: usize| N == 2 && turns[k] == [true; 2];
-        let is_wall = |k: usize| is_plane[k] || is_end(k) || is_chamfer(k) || is_step(k);
+        let is_wall = |k: usize| is_plane[k] || is_end[k] || is_chamfer(k) || is_step(k);
         let is_wall = (0..count).map(is_wall).collect();
-        Self { of, is_plane, is_wall }
+        Self { of, is_plane, is_wall, is_end }
     }
 
     /// Whether both elements are those of different regions that are `wanted`.
     fn is_edge(&self, wanted: &[bool], [a, b]: [usize; 2]) -> bool {
         self.of[a] != self.of[b] && [a, b].iter().all(|&e| wanted[self.of[e]])
+    }
+
+    /// Whether two elements beside each other are of regions that turn to each other alone, and no planes.
+    fn are_two_facets(&self, elements: [usize; 2]) -> bool {
+        elements.iter().all(|&e| self.is_end[self.of[e]] && !self.is_plane[self.of[e]])
     }
 }
 
@@ -227,6 +237,9 @@ mod tests {
         // turns of 45 degrees
         let end = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.7, 0.7]];
         assert_eq!(pieces(end.clone(), Kinks::OfPlanes).len(), 1);
+        assert_eq!(pieces(end.clone(), Kinks::OfSureWalls).len(), 2);
+        assert_eq!(pieces(end[1..].to_vec(), Kinks::OfWalls).len(), 2);
+        assert_eq!(pieces(end[1..].to_vec(), Kinks::OfSureWalls).len(), 1);
         assert_eq!(pieces(end, Kinks::OfWalls), [vec![0, 1], vec![2]]);
         let chamfer = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.7, 0.7], [2.7, 1.7], [2.7, 2.7]];
         assert_eq!(pieces(chamfer, Kinks::OfWalls), [vec![0, 1], vec![2], vec![3, 4]]);

@@ -54,13 +54,9 @@ impl<'a, const N: usize> ArcLength<'a, N> {
     pub fn of_side(side: &'a BodySide<1, N>) -> Self {
         let mut own = Self::new(&*side.trace.space);
         let Some(whole) = &side.whole else { return own };
-        let all = Self::new(&*whole.trace.space);
-        let mut elements: HashMap<usize, Vec<usize>> = HashMap::new();
-        whole.trace.facets.iter().enumerate().for_each(|(e, facet)| elements.entry(facet.element).or_default().push(e));
+        let all = Self::new(&*whole.side.trace.space);
         let mut place = HashMap::new();
-        for (e, facet) in side.trace.facets.iter().enumerate() {
-            let there = elements.get(&facet.element).and_then(|list| list.iter().find(|&&w| whole.trace.facets[w] == *facet));
-            let Some(&w) = there else { return own };
+        for (e, &w) in whole.elements.iter().enumerate() {
             (own.start[e], own.reversed[e]) = (all.start[w], all.reversed[w]);
             place.insert(w, e);
         }

@@ -4,7 +4,7 @@ use super::model::{BodyModel, BodySide, Model};
 use crate::assembly::{gauss_rules, revolved};
 use crate::quadrature::PerElement;
 use crate::space::{Field, JoinedSide, SideError, Trace};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// The rules of a side with `extra` points, of a surface of revolution if `is_revolved`.
 fn rules<const S: usize, const N: usize>(trace: &Trace<S, N>, extra: usize, is_revolved: bool) -> PerElement<S> {
@@ -24,7 +24,17 @@ impl<const S: usize, const N: usize> BodySide<S, N> {
     /// The part `trace` of a side, arguments before it as in [`BodySide::new`].
     pub(crate) fn of_trace(patch: &BodyModel<S, N>, number: usize, side: &str, label: String, trace: Trace<S, N>) -> Self {
         let rules = rules(&trace, patch.extra_points, patch.is_revolved());
-        Self { patch: number, side: side.to_owned(), label, field: patch.field, runs: vec![(0, number)], trace, rules, whole: None }
+        Self {
+            patch: number,
+            side: side.to_owned(),
+            label,
+            field: patch.field,
+            runs: vec![(0, number)],
+            trace,
+            rules,
+            whole: None,
+            sag_of_pieces: OnceLock::new(),
+        }
     }
 
     /// Several sides as one surface, in functions of the model: glued functions are one; `None` without sides.
@@ -53,7 +63,17 @@ impl<const S: usize, const N: usize> BodySide<S, N> {
         let rules = rules(&trace, extra, model.is_revolved());
         let label = sides.iter().map(|s| s.label.as_str()).collect::<Vec<_>>().join(", ");
         let field = Field { first: 0, components: model.components };
-        Some(Arc::new(Self { patch: first.patch, side: first.side.clone(), label, field, runs, trace, rules, whole: None }))
+        Some(Arc::new(Self {
+            patch: first.patch,
+            side: first.side.clone(),
+            label,
+            field,
+            runs,
+            trace,
+            rules,
+            whole: None,
+            sag_of_pieces: OnceLock::new(),
+        }))
     }
 
     /// Number of its body, of several sides that of the first.

@@ -8,7 +8,7 @@ use super::builder::Problem;
 use super::coupled::{Multiplier, TiePair};
 use super::error::{ProblemError, ProblemErrors};
 use super::handles::Statement;
-use super::model::{BodyModel, BodySide};
+use super::model::{BodyModel, BodySide, Whole};
 use crate::assembly::planar_normal;
 use crate::basis::Order;
 use crate::coupling::multiplier::MultiplierKind;
@@ -92,7 +92,8 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let part = |elements: &Vec<usize>| {
             let trace = self.compiled.part(&side.trace, elements, space.cell(elements[0]));
             let own = BodySide::of_trace(&self.bodies[side.patch], side.patch, &side.side, side.label.clone(), trace);
-            Arc::new(BodySide { whole: Some(side.said()), ..own })
+            let of_whole = |&e: &usize| side.whole.as_ref().map_or(e, |whole| whole.elements[e]);
+            Arc::new(BodySide { whole: Some(Whole { side: side.said(), elements: elements.iter().map(of_whole).collect() }), ..own })
         };
         parts.iter().map(part).collect()
     }
@@ -151,5 +152,5 @@ pub(super) fn places_of<'a, const S: usize, const N: usize>(slaves: impl Iterato
 
 /// Whether both are pieces of one side.
 pub(super) fn are_pieces<const S: usize, const N: usize>(a: &BodySide<S, N>, b: &BodySide<S, N>) -> bool {
-    a.whole.as_ref().zip(b.whole.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
+    a.whole.as_ref().zip(b.whole.as_ref()).is_some_and(|(a, b)| Arc::ptr_eq(&a.side, &b.side))
 }

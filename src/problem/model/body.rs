@@ -2,7 +2,7 @@
 
 use crate::assembly::{Rim, gauss_rules_along, points_of_curved_cells, revolved};
 use crate::basis::Order;
-use crate::geometry::{Bounds, Geometry, MapTable};
+use crate::geometry::{Bounds, Geometry, MapTable, Sag};
 use crate::linalg::{Vector, measure};
 use crate::problem::changing::Changing;
 use crate::problem::data::{Data, Exact};
@@ -10,7 +10,7 @@ use crate::problem::handles::BodyId;
 use crate::problem::physics::Physics;
 use crate::quadrature::{PerElement, Quadrature};
 use crate::space::{Body, Connected, Field, Trace};
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A body with its unknowns and its material.
 #[derive(Clone, Debug)]
@@ -136,13 +136,24 @@ pub struct BodySide<const S: usize, const N: usize> {
     /// Rules of integrals over the side.
     pub(crate) rules: PerElement<S>,
     /// The side of which this is a piece between kinks; `None` for one that was said as it is.
-    pub(crate) whole: Option<Arc<BodySide<S, N>>>,
+    pub(crate) whole: Option<Whole<S, N>>,
+    /// The sag of its facets as those of its pieces, once one of these was asked for it.
+    pub(crate) sag_of_pieces: OnceLock<Sag<S, N>>,
+}
+
+/// A side, and its elements that a piece of it consists of.
+#[derive(Debug)]
+pub(crate) struct Whole<const S: usize, const N: usize> {
+    /// The side.
+    pub side: Arc<BodySide<S, N>>,
+    /// The elements, in the order of those of the piece.
+    pub elements: Vec<usize>,
 }
 
 impl<const S: usize, const N: usize> BodySide<S, N> {
     /// The side as it was said, of which this may be a piece.
     pub(crate) fn said(self: &Arc<Self>) -> Arc<Self> {
-        self.whole.as_ref().unwrap_or(self).clone()
+        self.whole.as_ref().map_or(self, |whole| &whole.side).clone()
     }
 
     /// The patch behind an element of the side.

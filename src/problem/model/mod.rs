@@ -6,6 +6,7 @@ mod imposed;
 mod slide;
 mod tie;
 
+pub(crate) use body::Whole;
 pub use body::{BodyModel, BodyRim, BodySide};
 pub use contact::{ContactModel, ContactPart, Opposing};
 pub use imposed::{

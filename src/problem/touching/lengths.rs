@@ -1,24 +1,40 @@
 //! Lengths of sides: the sag of their facets, the size of these, the thickness of the body behind them.
 
-use crate::geometry::{Bounds, Sag};
-use crate::problem::model::{BodyModel, BodySide};
-use crate::space::measure;
+use crate::geometry::{Bounds, Kinks, Sag};
+use crate::problem::model::{BodyModel, BodySide, Whole};
+use crate::space::{Trace, measure};
 use std::sync::Arc;
 
 /// Distances below this fraction of the size of all sides count as zero.
 pub(super) const SAME_PLACE: f64 = 1e-8;
 
-/// Returns the sag of a side's facets: zero if they are the surface itself; for refined meshes that of the unrefined facets.
+/// Returns the sag of a side's facets: zero if they are the surface itself; for refined meshes that of the unrefined facets. A piece has that of
+/// its facets on the whole side, since those of an arc in two chords are pieces, too.
 pub fn sag<const S: usize, const N: usize>(patches: &[BodyModel<S, N>], side: &BodySide<S, N>) -> Sag<S, N> {
+    match &side.whole {
+        None => sag_between(patches, side, Kinks::OfPlanes),
+        Some(Whole { side, elements }) => {
+            if let Some(known) = side.sag_of_pieces.get() {
+                return known.of_elements(elements);
+            }
+            // made outside of the cell: no thread waits for another one there
+            let made = sag_between(patches, side, Kinks::OfSureWalls);
+            side.sag_of_pieces.get_or_init(|| made).of_elements(elements)
+        }
+    }
+}
+
+fn sag_between<const S: usize, const N: usize>(patches: &[BodyModel<S, N>], side: &BodySide<S, N>, kinks: Kinks) -> Sag<S, N> {
     let patch = &patches[side.patch];
     if patch.exact_map {
         return Sag::none(side.trace.facets.len());
     }
+    let of = |trace: &Trace<S, N>| Sag::between(&*trace.space, &trace.outward, kinks);
     let of_parts = || {
         let whole = patch.unrefined.as_ref()?.trace(&side.side).ok()?;
-        Sag::of(&*whole.space, &whole.outward).of_parts(&*whole.space, &*side.trace.space)
+        of(&whole).of_parts(&*whole.space, &*side.trace.space)
     };
-    of_parts().unwrap_or_else(|| Sag::of(&*side.trace.space, &side.trace.outward))
+    of_parts().unwrap_or_else(|| of(&side.trace))
 }
 
 /// Largest admissible distance of points of faceted sides \[length\]: four times the largest of the `sags`, at least twice `floor`.

@@ -37,7 +37,7 @@ fn beyond<const S: usize, const N: usize>(model: &Model<S, N>, part: &ContactPar
     let sides: Vec<_> = part.masters.iter().chain([&part.slave]).cloned().collect();
     let zero = floor(&sides);
     // what is closed is rounding
-    if part.first.frames.gap.iter().all(|gap| gap.abs() <= zero) {
+    if part.closes <= zero || part.first.frames.gap.iter().all(|gap| gap.abs() <= zero) {
         return None;
     }
     let found = clearance((&part.slave.trace, &own), &masters, REACH, zero);

@@ -150,6 +150,41 @@ fn fits_that_are_drawn_and_closed_are_told() {
     }
 }
 
+/// A quarter ring of 1 <= r <= 2 in two straight sectors, "bore" and "outside", "low" and "high" its ends.
+const CHORDS: &str = "*NODE\n1, 1, 0\n2, 0.7071067811865476, 0.7071067811865476\n3, 0, 1\n\
+    4, 2, 0\n5, 1.4142135623730951, 1.4142135623730951\n6, 0, 2\n\
+    *ELEMENT, TYPE=CPE4, ELSET=all\n1, 1, 4, 5, 2\n2, 2, 5, 6, 3\n\
+    *SURFACE, NAME=bore\nall, S4\n*SURFACE, NAME=outside\nall, S2\n*SURFACE, NAME=low\n1, S1\n*SURFACE, NAME=high\n2, S3\n";
+
+/// Two chords meet like two walls, and are pieces of a slave side as these are: the sag of an arc is theirs all the same.
+#[test]
+fn a_bore_in_two_chords_has_their_sag() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("ring.inp"), CHORDS).unwrap();
+    let shrunk = |adjust: &str| {
+        let text = format!(
+            "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 1\npoisson = 0.3\n\
+             [[patch]]\nname = \"ring\"\ngeometry = {{ kind = \"file\", file = \"ring.inp\" }}\nbackend = \"fe\"\ndegree = 1\n\
+             [[patch]]\nname = \"shaft\"\ngeometry = {{ kind = \"annulus-sector\", radius = [0.5, 1], angle_deg = [0, 90] }}\nelements = [6, 3]\n\
+             [[boundary]]\non = [\"shaft.u0\", \"ring.low\"]\nfix = [\"y\"]\n[[boundary]]\non = [\"shaft.u1\", \"ring.high\"]\nfix = [\"x\"]\n\
+             [[boundary]]\non = [\"ring.outside\", \"shaft.v0\"]\npressure = 0.01\n\
+             [[contact]]\nname = \"fit\"\nslave = \"ring.bore\"\nmaster = \"shaft.v1\"\n{adjust}"
+        );
+        let options = ReadOptions { folder: Some(folder.path().to_path_buf()), ..ReadOptions::default() };
+        let result = Case::parse("case.toml", &text, &options).unwrap().run(&Registry::default()).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(result.status, Status::Ok, "{:?}", result.diagnostics);
+        result
+    };
+    let tells = |result: &RunResult, words: &str| result.warnings.iter().any(|w| w.message.contains(words));
+    let closed = shrunk("adjust = true\n");
+    assert!(!tells(&closed, "`adjust`"), "{:?}", closed.warnings);
+    let pressure = &closed.contact["fit"].pressure;
+    assert!(pressure.min > 0.009 && pressure.max < 0.011, "{pressure:?}");
+    let as_meshed = shrunk("");
+    assert!(as_meshed.contact["fit"].pressure.max > 0.015, "{:?}", as_meshed.contact["fit"].pressure);
+    assert!(tells(&as_meshed, "facets"), "{:?}", as_meshed.warnings);
+}
+
 #[test]
 fn an_obstacle_that_moves_has_no_gaps_of_facets() {
     let text = "[model]\nphysics = \"elasticity\"\ndimension = 2\n[[material]]\nname = \"m\"\nyoung = 100\npoisson = 0\n[[patch]]\nname = \"a\"\n\
