@@ -121,7 +121,7 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
             };
             context
                 .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at {at_what}: {error}", slave.label()), at)
-                .with_help(more_elements(slave) + &or)
+                .with_help(more_elements(slave) + &or + ", or \"nitsche\" as coupling or method, which has no multiplier")
         }
         MultiplierError::TooMany { component, multipliers, free } => {
             let direction = format!("component {}", component_name(*component, components));
