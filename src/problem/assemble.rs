@@ -219,7 +219,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         let of_ties = self.ties.iter().flat_map(|t| t.own.pairs.iter().map(|p| (&p.slave, t.id().into(), true)));
         let of_contacts = self.contacts.iter().flat_map(|c| c.own.slaves.iter().map(|s| (s, Statement::from(c.id()), false)));
         let all: Vec<(&Arc<BodySide<S, N>>, Statement, bool)> = of_ties.chain(of_contacts).collect();
-        let mut before = FacetOwners::new();
+        let mut before = FacetOwners::default();
         for (number, &(slave, id, is_tied)) in all.iter().enumerate() {
             let meets = |&other: &usize| !Arc::ptr_eq(all[other].0, slave) || is_tied && all[other].2;
             if let Some(first) = before.of(slave).find(meets) {

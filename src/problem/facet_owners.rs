@@ -1,33 +1,36 @@
 //! The facets that several sides have in common: whole sides, parts of sides, tags of meshes.
 
 use super::model::BodySide;
-use crate::geometry::Embedding;
+use crate::geometry::cell;
 use std::collections::HashMap;
 
-/// Sides by their facets.
-#[derive(Debug)]
-pub(super) struct FacetOwners<'a, const S: usize, const N: usize> {
-    /// Facets with the number of their side, by body and element.
-    known: HashMap<(usize, usize), Vec<(&'a Embedding<S, N>, usize)>>,
+/// Key of a facet: patch, element, and midpoint in units of the element over [`UNITS`].
+pub(super) type FacetKey = (usize, usize, [i64; 3]);
+
+/// Resolution of facet midpoints: those of one element differ by more than 1 / `UNITS` of it.
+const UNITS: f64 = 1048576.0;
+
+/// The keys of the facets of a side.
+pub(super) fn facet_keys<const S: usize, const N: usize>(side: &BodySide<S, N>) -> impl Iterator<Item = FacetKey> + '_ {
+    side.trace.facets.iter().enumerate().map(|(f, facet)| {
+        let middle = facet.lift(&cell::center(side.trace.space.cell(f)));
+        let part = std::array::from_fn(|k| if k < N { (middle[k] * UNITS).round() as i64 } else { 0 });
+        (side.patch, facet.element, part)
+    })
 }
 
-impl<'a, const S: usize, const N: usize> FacetOwners<'a, S, N> {
-    /// No sides.
-    pub fn new() -> Self {
-        Self { known: HashMap::new() }
-    }
+/// The numbers of sides by their facets.
+#[derive(Debug, Default)]
+pub(super) struct FacetOwners(HashMap<FacetKey, Vec<usize>>);
 
+impl FacetOwners {
     /// Adds a side with a number.
-    pub fn add(&mut self, side: &'a BodySide<S, N>, number: usize) {
-        for facet in &side.trace.facets {
-            self.known.entry((side.patch, facet.element)).or_default().push((facet, number));
-        }
+    pub fn add<const S: usize, const N: usize>(&mut self, side: &BodySide<S, N>, number: usize) {
+        facet_keys(side).for_each(|facet| self.0.entry(facet).or_default().push(number));
     }
 
     /// The numbers of sides with a facet of `side`, one for every facet in common.
-    pub fn of<'s>(&'s self, side: &'s BodySide<S, N>) -> impl Iterator<Item = usize> + 's {
-        let near =
-            |facet: &'s Embedding<S, N>| self.known.get(&(side.patch, facet.element)).into_iter().flatten().map(move |of| (facet, of));
-        side.trace.facets.iter().flat_map(near).filter(|(facet, (other, _))| facet == other).map(|(_, (_, number))| *number)
+    pub fn of<const S: usize, const N: usize>(&self, side: &BodySide<S, N>) -> impl Iterator<Item = usize> {
+        facet_keys(side).filter_map(|facet| self.0.get(&facet)).flatten().copied()
     }
 }

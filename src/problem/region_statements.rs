@@ -104,7 +104,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
 
     /// The first two of `regions` whose sides have a facet in common, where loads of both would act twice.
     pub fn overlap(&self, regions: &[RegionId]) -> Option<[usize; 2]> {
-        let mut before = FacetOwners::new();
+        let mut before = FacetOwners::default();
         for (number, region) in regions.iter().enumerate().filter(|(_, region)| self.identity.knows(**region)) {
             let sides = || {
                 self.regions.pieces(region.number).iter().filter_map(|piece| match piece {

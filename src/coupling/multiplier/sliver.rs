@@ -9,9 +9,9 @@
 //! ```
 //!
 //! gives its share to a neighbour, N_k' = N_k + N_j: on curves the one with most of what is covered, on surfaces the one with which it has most in
-//! common there, int |N_j| |N_k| ds. Several that are alike in this up to rounding get equal parts, so that rounding decides nothing. The functions stay non-negative and sum to one. Where all
-//! functions of an element are of that kind the neighbour is one of the element beside it, of surfaces of those at its corners, and without
-//! one they stay.
+//! common there, int |N_j| |N_k| ds. Several that are alike in this up to rounding get equal parts, so that rounding decides nothing. The functions
+//! stay non-negative and sum to one. Where all functions of an element are of that kind the neighbour is one of the element beside it, of surfaces
+//! of those at its corners, and without one they stay.
 
 use super::covered::is_whole;
 use crate::assembly::element_rule;

@@ -1,26 +1,13 @@
 //! Facets that are joined already: sides may overlap, so that names of sides do not identify them.
 
 use super::paired_sides::PairedSides;
-use crate::geometry::cell;
+use crate::problem::facet_owners::{FacetKey, facet_keys};
 use crate::problem::model::BodySide;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Key of a facet: patch, element, and midpoint in units of the element over [`UNITS`].
-type FacetKey = (usize, usize, [i64; 3]);
-
-/// Resolution of facet midpoints: those of one element differ by more than 1 / `UNITS` of it.
-const UNITS: f64 = 1048576.0;
 /// Shares that differ by less than this are equal.
 const SAME: f64 = 1e-9;
-
-fn facet_keys<const S: usize, const N: usize>(side: &BodySide<S, N>) -> impl Iterator<Item = FacetKey> + '_ {
-    side.trace.facets.iter().enumerate().map(|(f, facet)| {
-        let middle = facet.lift(&cell::center(side.trace.space.cell(f)));
-        let part = std::array::from_fn(|k| if k < N { (middle[k] * UNITS).round() as i64 } else { 0 });
-        (side.patch, facet.element, part)
-    })
-}
 
 /// Two sides (body, name), the lesser first.
 pub(super) type SidePair = [(usize, String); 2];

@@ -125,7 +125,7 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
         let lists = [&block.spring, &block.force, &block.rigid_force];
         let acts =
             block.pressure.is_some() || block.traction.iter().any(Option::is_some) || lists.iter().any(|list| each(list).next().is_some());
-        let [first, second] = self.problem.overlap(on).filter(|_| acts)?;
+        let [first, second] = if acts { self.problem.overlap(on)? } else { return None };
         let label = |k: usize| format!("{}.{}", self.context.case.patches[named[k].value.patch].name.value, named[k].value.side);
         let text =
             format!("`{}` has facets of `{}`, named in `on` before: loads and springs would act twice there", label(second), label(first));

@@ -83,7 +83,7 @@ mod tests {
         (0..=2 * n).map(at).collect()
     }
 
-    /// TurningPart of a torus of the radii 2 and 0.6: n elements about its tube, m along 170 degrees of it.
+    /// Part of a torus of the radii 2 and 0.6: n elements about its tube, m along 170 degrees of it.
     fn torus(n: usize, m: usize, from: f64) -> ControlPoints<Rational<TensorProduct<2, BSpline>>, 3> {
         let basis = TensorProduct::new([BSpline::uniform(2, n, 0), BSpline::uniform(2, m, 0)]);
         let (mut points, mut weights) = (Vec::new(), Vec::new());
