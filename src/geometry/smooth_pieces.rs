@@ -39,7 +39,7 @@ pub enum Kinks {
     OfWalls,
     /// Edges of walls as above, but for those of two single elements that have no other neighbours: they may be two chords of an arc.
     OfSureWalls,
-    /// Those of `OfWalls`, and all of more than 20 degrees: no facets of a surface that is resolved.
+    /// The kinks `OfWalls`, and all of more than 20 degrees: no facets of a surface that is resolved.
     Steep,
 }
 

@@ -188,6 +188,11 @@ impl<const S: usize, const N: usize> Problem<S, N> {
         Ok(sum)
     }
 
+    /// Sides of bodies of this problem as one region.
+    pub fn region_of_sides(&mut self, sides: Vec<Arc<BodySide<S, N>>>) -> RegionId {
+        self.new_region(sides.into_iter().map(RegionPart::Side).collect())
+    }
+
     /// The sides of a region.
     ///
     /// # Errors

@@ -141,7 +141,8 @@ pub const CODES: &[Code] = &[
         "Two sides that are to be tied are farther apart than `tolerance` allows, or the sides of a contact do not face each other: \
          outward normals must oppose, within 60 degrees, and an overlap at rest (of bodies, of a body and an obstacle, or by the formula of `gap`) may be up \
          to half the thickness of a body. `between` ties sides if faceting explains their gap: \
-         mean at most 1/4, largest at most 2 times the deviation of the facets from the curved surface. As a warning: sides that are \
+         mean at most 1/4, largest at most 2 times the deviation of the facets from the curved surface; of a side that another block joins in \
+         part it ties the rest. As a warning: sides that are \
          nearly together are not tied, or named ones are tied across a distance that their facets do not explain; sides that touch, nearly touch or overlap are joined by nothing; \
          nodes of a mesh coincide and are not shared, so that the cells on both sides do not hang together. Use [[contact]] if a gap is meant.",
         "[[interface]]\nslave = \"inner.v1\"     # r = 1.5\nmaster = \"outer.v0\"    # r = 1.75",

@@ -1,6 +1,7 @@
 //! Facets that are joined already: sides may overlap, so that names of sides do not identify them.
 
 use super::paired_sides::PairedSides;
+use super::partly_joined::Candidate;
 use crate::problem::facet_owners::{FacetKey, facet_keys};
 use crate::problem::model::BodySide;
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,14 +87,20 @@ impl JoinedSides {
         self.met.of(a) == self.met.of(b)
     }
 
-    /// Returns the couples that share a facet with a side.
-    pub fn marks<const S: usize, const N: usize>(&self, side: &BodySide<S, N>) -> Marks {
-        facet_keys(side).filter_map(|f| self.of_facet.get(&f)).flatten().copied().collect()
+    /// The couples that the facets of a side are part of, per facet.
+    pub fn marks_of_facets<const S: usize, const N: usize>(&self, side: &BodySide<S, N>) -> Vec<Marks> {
+        facet_keys(side).map(|f| self.of_facet.get(&f).into_iter().flatten().copied().collect()).collect()
     }
 
-    /// Whether a pair of sides, each with its marks, is excluded.
-    pub fn hold<const S: usize, const N: usize>(&self, a: (&BodySide<S, N>, &Marks), b: (&BodySide<S, N>, &Marks)) -> bool {
-        self.named.contains(&side_pair(key(a.0), key(b.0))) || a.1.iter().any(|&(couple, slave)| b.1.contains(&(couple, !slave)))
+    /// Whether a couple has a facet of a side.
+    pub fn meets<const S: usize, const N: usize>(&self, side: &BodySide<S, N>) -> bool {
+        facet_keys(side).any(|f| self.of_facet.contains_key(&f))
+    }
+
+    /// Whether a pair of sides is excluded.
+    pub fn hold<const S: usize, const N: usize>(&self, a: &Candidate<S, N>, b: &Candidate<S, N>) -> bool {
+        self.named.contains(&side_pair(key(&a.side), key(&b.side)))
+            || a.marks.iter().any(|&(couple, slave)| b.marks.contains(&(couple, !slave)))
     }
 }
 

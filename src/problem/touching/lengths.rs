@@ -1,5 +1,6 @@
 //! Lengths of sides: the sag of their facets, the size of these, the thickness of the body behind them.
 
+use super::partly_joined::Candidate;
 use crate::geometry::{Bounds, Kinks, Sag};
 use crate::problem::model::{BodyModel, BodySide, Whole};
 use crate::space::{Trace, measure};
@@ -72,7 +73,7 @@ pub(super) fn thickness<const S: usize, const N: usize>(patches: &[BodyModel<S, 
 /// A side with its boxes.
 #[derive(Debug)]
 pub(super) struct Extent<const S: usize, const N: usize> {
-    pub side: Arc<BodySide<S, N>>,
+    pub candidate: Candidate<S, N>,
     /// Box of every facet.
     pub facets: Vec<Bounds<N>>,
     /// Box of all facets.
@@ -83,10 +84,15 @@ pub(super) struct Extent<const S: usize, const N: usize> {
 
 impl<const S: usize, const N: usize> Extent<S, N> {
     /// Returns the boxes of a side; `None` for one without facets.
-    pub fn of(side: Arc<BodySide<S, N>>) -> Option<Self> {
-        let facets = side.trace.space.all_bounds();
+    pub fn of(candidate: Candidate<S, N>) -> Option<Self> {
+        let facets = candidate.side.trace.space.all_bounds();
         let whole = facets.iter().copied().reduce(|a, b| a.union(&b))?;
         let facet = facets.iter().map(Bounds::diagonal).sum::<f64>() / facets.len() as f64;
-        Some(Self { side, facets, whole, facet })
+        Some(Self { candidate, facets, whole, facet })
+    }
+
+    /// The side.
+    pub fn side(&self) -> &Arc<BodySide<S, N>> {
+        &self.candidate.side
     }
 }

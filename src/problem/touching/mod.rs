@@ -13,6 +13,7 @@ mod oriented;
 mod overlapping;
 mod paired_sides;
 mod pairs;
+mod partly_joined;
 mod search;
 mod touching_sides;
 mod unjoined;

@@ -2,7 +2,6 @@
 
 use super::facing::{COVERED, facing_either};
 use super::finding::{Finding, NearPair};
-use super::joined_sides::Marks;
 use super::lengths::{Extent, size, thickness};
 use super::search::Search;
 use crate::geometry::Bounds;
@@ -40,33 +39,33 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
         let names = bodies.iter().flat_map(|&patch| patches[patch].body.sides().into_iter().map(move |side| (patch, side)));
         let all: Vec<_> = names.filter_map(|(patch, side)| self.side(patch, &side).ok()).collect();
         let known = &self.joined;
-        let free: Vec<_> = all.into_iter().filter(|side| known.marks(side).is_empty()).filter_map(Extent::of).collect();
+        let free = all.iter().flat_map(|side| self.candidates(side)).filter(|c| c.marks.is_empty());
+        let free: Vec<_> = free.filter_map(Extent::of).collect();
         let size = size(free.iter().map(|f| f.whole));
-        let none = Marks::new();
         let (mut best, mut least): (BTreeMap<[usize; 2], NearPair<S, N>>, f64) = (BTreeMap::new(), size);
         for (k, a) in free.iter().enumerate() {
-            for b in free[k + 1..].iter().filter(|b| b.side.patch != a.side.patch) {
+            for b in free[k + 1..].iter().filter(|b| b.side().patch != a.side().patch) {
                 let reach = if near { NEAR * a.facet.min(b.facet) } else { size };
-                if !a.whole.inflated(reach.min(least)).meets(&b.whole) || known.hold((&a.side, &none), (&b.side, &none)) {
+                if !a.whole.inflated(reach.min(least)).meets(&b.whole) || known.hold(&a.candidate, &b.candidate) {
                     continue;
                 }
                 // neighbours in one plane meet in a rim
                 if !mostly(&a.facets, &b.whole.inflated(reach)) && !mostly(&b.facets, &a.whole.inflated(reach)) {
                     continue;
                 }
-                let Some(facing) = facing_either(&a.side.trace, &b.side.trace, reach) else { continue };
-                if facing.gap < 0.0 && known.are_met(a.side.patch, b.side.patch) {
+                let Some(facing) = facing_either(&a.side().trace, &b.side().trace, reach) else { continue };
+                if facing.gap < 0.0 && known.are_met(a.side().patch, b.side().patch) {
                     continue;
                 }
-                if near && facing.distance > THIN * thickness(patches, &a.side).min(thickness(patches, &b.side)) {
+                if near && facing.distance > THIN * thickness(patches, a.side()).min(thickness(patches, b.side())) {
                     continue;
                 }
                 if !near {
                     least = least.min(facing.distance);
                 }
-                let key = [a.side.patch.min(b.side.patch), a.side.patch.max(b.side.patch)];
+                let key = [a.side().patch.min(b.side().patch), a.side().patch.max(b.side().patch)];
                 if best.get(&key).is_none_or(|other| facing.distance < other.facing.distance) {
-                    best.insert(key, NearPair { sides: [a.side.clone(), b.side.clone()], facing });
+                    best.insert(key, NearPair { sides: [a.side().clone(), b.side().clone()], facing });
                 }
             }
         }

@@ -49,16 +49,17 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
         tolerance: Option<f64>,
         apart: &dyn Fn(usize, usize) -> bool,
     ) -> Result<Vec<PairedSides<S, N>>, TouchError<S, N>> {
-        let mut all = Vec::new();
+        let mut candidates = Vec::new();
         for &patch in bodies {
             for side in self.patches[patch].body.sides() {
-                all.push(self.side(patch, &side).map_err(|error| TouchError::Side { patch, side, error })?);
+                let side = self.side(patch, &side).map_err(|error| TouchError::Side { patch, side, error })?;
+                candidates.extend(self.candidates(&side));
             }
         }
-        let marks: Vec<_> = all.iter().map(|s| self.joined.marks(s)).collect();
+        let all: Vec<_> = candidates.iter().map(|c| c.side.clone()).collect();
         let left_out = |a: usize, b: usize| {
             let [p, q] = [a, b].map(|k| all[k].patch);
-            p == q || apart(p, q) || self.joined.hold((&all[a], &marks[a]), (&all[b], &marks[b]))
+            p == q || apart(p, q) || self.joined.hold(&candidates[a], &candidates[b])
         };
         let sags: Vec<Sag<S, N>> = all.iter().map(|s| sag(self.patches, s)).collect();
         let floor = floor(&all);

@@ -9,7 +9,8 @@ use crate::case::{Boundary, Components, Datum, SideRef};
 use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, SourceSpan};
-use faying::problem::{self, Data, ErrorKind, Problem, ProblemError, Region, RegionId, Statement, Value};
+use faying::problem::{self, Data, ErrorKind, Problem, ProblemError, Region, RegionId, SideView, Statement, Value};
+use std::sync::Arc;
 
 /// Says the conditions, loads and springs of all boundary blocks; errors go to the context's faults.
 pub(super) fn say<const S: usize, const N: usize>(
@@ -23,8 +24,16 @@ pub(super) fn say<const S: usize, const N: usize>(
         let mut said = Block { context, problem, places, number, block, centres: Centres::default() };
         let (mut on, mut named, mut rims, mut faults) = (Vec::with_capacity(block.on.len()), Vec::new(), Vec::new(), Vec::new());
         for wanted in &block.on {
-            // sides coupled to another side are not outer sides
-            if block.all_outer && couples.hold(wanted.value.patch, &wanted.value.side) {
+            // what is joined to another side is no outer side
+            if let Some(free) = couples.joined_outer.get(&wanted.value).filter(|_| block.all_outer) {
+                match said.free(wanted, free) {
+                    Ok(None) => {}
+                    Ok(Some(part)) => {
+                        named.push(wanted);
+                        on.push(part);
+                    }
+                    Err(fault) => faults.push(*fault),
+                }
                 continue;
             }
             let made = match said.below_sides(wanted) {
@@ -117,6 +126,19 @@ impl<'b, const S: usize, const N: usize> Block<'_, 'b, S, N> {
         let side = self.places.bodies[wanted.value.patch].side(&wanted.value.side);
         let made = self.problem.region(side);
         made.map(Some).map_err(|error| Box::new(refused(self.context, self.problem, &error, wanted)))
+    }
+
+    /// The parts of a side of "all-outer" that nothing joins, if any.
+    fn free(&mut self, wanted: &Located<SideRef>, parts: &[Arc<SideView<S, N>>]) -> Result<Option<RegionId>, Box<Diagnostic>> {
+        if parts.is_empty() {
+            return Ok(None);
+        }
+        if let Some(filter) = &self.block.filter {
+            let label = format!("{}.{}", self.context.case.patches[wanted.value.patch].name.value, wanted.value.side);
+            let text = format!("`where` on \"all-outer\" with `{label}`, of which a part is joined, is not in this version");
+            return Err(Box::new(self.error("E019", text, filter.at).with_help("name the sides that are meant")));
+        }
+        Ok(Some(self.problem.region_of_sides(parts.to_vec())))
     }
 
     /// Sides of the block, `named` so, that have facets in common, on which its loads and springs would act twice.

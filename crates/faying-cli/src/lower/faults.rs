@@ -118,9 +118,12 @@ fn fault<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, place
             let (slave, other) = (&error.names()[0], &error.names()[1]);
             let other = if slave == other { String::new() } else { format!(", with `{other}`") };
             let text = format!("`{slave}` has facets that are slave twice{other}{first}");
-            context.error("E026", text, at).with_help(
-                "let the `where` of one end where that of the other begins: facets count by their centres; of tags of a mesh name such as have no facets in common",
-            )
+            let is_found = case.interfaces.iter().any(|tie| tie.between.is_some());
+            context.error("E026", text, at).with_help(if is_found {
+                "name slaves and masters in place of `between`, with tags that have no facets in common and `where` that end where others begin"
+            } else {
+                "let the `where` of one end where that of the other begins: facets count by their centres; of tags of a mesh name such as have no facets in common"
+            })
         }
         ErrorKind::NoExact => {
             context.error("E062", "\"exact\" needs a manufactured solution; the case has none", at).with_help("give exact in [model]")

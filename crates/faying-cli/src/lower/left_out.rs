@@ -12,11 +12,18 @@ const LEFT: f64 = 0.02;
 pub(super) fn tell<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, contents: &Contents<'_, S, N>) {
     let case = context.case;
     let Some(outer) = case.boundaries.iter().find(|b| b.all_outer) else { return };
-    // per side its label, and what of it is tied
-    let mut tied: BTreeMap<(usize, String), (String, f64)> = BTreeMap::new();
-    let mut add = |side: &SideView<S, N>, measure: f64| {
-        let entry = tied.entry((side.body(), side.name().to_owned())).or_insert_with(|| (side.label().to_owned(), 0.0));
-        entry.1 += measure;
+    // what a search found of a side that another block joins in part is tied as a side of its own
+    let cuts = case.interfaces.iter().filter(|tie| tie.filter.is_some()).flat_map(|tie| &tie.slave);
+    let is_cut = |side: &SideView<S, N>| cuts.clone().any(|cut| cut.value.patch == side.body() && cut.value.side == side.name());
+    let is_own = |side: &SideView<S, N>| side.label().contains(" where ") && !is_cut(side);
+    // per side its label, the measure of what is tied, and of all of it
+    let mut tied: BTreeMap<(usize, String, Option<String>), (String, f64, f64)> = BTreeMap::new();
+    let mut add = |side: &SideView<S, N>, covered: f64| {
+        let (view, label) = (contents.body(side.body()), side.label().to_owned());
+        let own = is_own(side).then(|| label.clone());
+        let whole = if own.is_none() { view.body().trace(side.name()).ok() } else { None };
+        let measure = || view.side_measure(whole.as_ref().unwrap_or(side.trace()));
+        tied.entry((side.body(), side.name().to_owned(), own)).or_insert_with(|| (label, 0.0, measure())).1 += covered;
     };
     for slave in contents.ties().flat_map(|tie| tie.sides()) {
         for pair in slave.pairs() {
@@ -24,10 +31,8 @@ pub(super) fn tell<const S: usize, const N: usize>(context: &mut LowerContext<'_
             add(pair.master(), pair.covered());
         }
     }
-    for ((body, name), (label, measure)) in tied {
-        let view = contents.body(body);
-        let Ok(trace) = view.body().trace(&name) else { continue };
-        let left = 1.0 - measure / view.side_measure(&trace);
+    for ((body, name, _), (label, covered, measure)) in tied {
+        let left = 1.0 - covered / measure;
         let named = case.boundaries.iter().filter(|b| !b.all_outer).flat_map(|b| &b.on);
         if left > LEFT && !named.clone().any(|side| side.value.patch == body && side.value.side == name) {
             let text = format!(

@@ -2,18 +2,18 @@
 
 use super::findings::{fault, unjoined, warning};
 use super::lower_context::LowerContext;
-use super::parts::of_slaves;
+use super::parts::{Centres, of_slaves, part};
 use super::places::Places;
 use super::sides::side_fault;
-use crate::case::{Case, Master, SideRef, Tie};
+use crate::case::{Case, Contact, Master, SideRef, Tie};
 use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, SourceSpan};
 use crate::registry::is_glue;
 use crate::result::{GluedSides, TiedSides};
 use faying::problem::touching::{PairedSides, Search, Share, TouchError};
-use faying::problem::{Problem, SideView};
-use std::collections::{BTreeMap, BTreeSet};
+use faying::problem::{Contents, Problem, SideView};
+use std::collections::{BTreeSet, HashMap};
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
@@ -38,16 +38,11 @@ pub(super) struct SidePairs<const S: usize, const N: usize> {
     pub ties: Vec<Vec<PairedSidesAt<S, N>>>,
     /// Side pairs glued without an interface: closed patches, files of several patches, groups of one mesh.
     seams: Vec<PairedSidesAt<S, N>>,
-    /// All sides (patch, name) of both lists.
-    sides: BTreeSet<(usize, String)>,
+    /// The sides of "all-outer" that are joined, with their parts that nothing joins.
+    pub joined_outer: HashMap<SideRef, Vec<Arc<SideView<S, N>>>>,
 }
 
 impl<const S: usize, const N: usize> SidePairs<S, N> {
-    /// Whether a side is coupled to another.
-    pub fn hold(&self, patch: usize, side: &str) -> bool {
-        self.sides.contains(&(patch, side.to_owned()))
-    }
-
     /// Side pairs of interfaces with shared functions, with the name of their interface: `coupling = "glue"`.
     fn glued_by_name<'a>(&'a self, case: &'a Case) -> impl Iterator<Item = (&'a str, &'a PairedSidesAt<S, N>)> {
         let ties = self.ties.iter().zip(&case.interfaces).filter(|(_, tie)| is_glue(&tie.coupling.value));
@@ -57,6 +52,12 @@ impl<const S: usize, const N: usize> SidePairs<S, N> {
     /// Side pairs with shared functions: `coupling = "glue"`, closed patches, files.
     pub fn glued<'a>(&'a self, case: &'a Case) -> impl Iterator<Item = &'a PairedSidesAt<S, N>> {
         self.glued_by_name(case).map(|(_, couple)| couple).chain(&self.seams)
+    }
+
+    /// The sides of "all-outer" that are joined, with the measure of what nothing joins of them.
+    pub fn joined_outer(&self, contents: &Contents<'_, S, N>) -> HashMap<SideRef, f64> {
+        let free = |part: &Arc<SideView<S, N>>| contents.body(part.body()).side_measure(part.trace());
+        self.joined_outer.iter().map(|(side, parts)| (side.clone(), parts.iter().map(free).sum())).collect()
     }
 
     /// Distance and share of every pair of sides glued by an interface; closed patches and seams of files are left out.
@@ -88,19 +89,19 @@ pub(super) fn find<const S: usize, const N: usize>(
     let case = context.case;
     let mut of = |tie: &Tie| tie.filter.as_ref().map(|filter| slave_parts(context, problem, places, (tie, filter)));
     let parts: Vec<Option<Vec<Arc<SideView<S, N>>>>> = case.interfaces.iter().map(&mut of).collect();
-    let (ties, seams) = problem.look_for_touching(|search| {
+    let mut of = |contact: &Contact| contact.filter.as_ref().map(|filter| pressed_parts(context, problem, places, (contact, filter)));
+    let pressed: Vec<Option<Vec<Arc<SideView<S, N>>>>> = case.contacts.iter().map(&mut of).collect();
+    let (ties, seams, joined_outer) = problem.look_for_touching(|search| {
         let mut finder = Finder { search, context };
         finder.exclude_named();
+        finder.contacts(pressed);
         let seams = finder.seams(files);
         let ties = finder.ties(&parts);
-        slave_twice(finder.context, &ties);
         finder.near_sides(&ties);
         finder.unjoined_sides();
-        (ties, seams)
+        (ties, seams, finder.joined_outer())
     });
-    let sides = |c: &PairedSidesAt<S, N>| c.masters.iter().chain([&c.slave]).map(|s| (s.body(), s.name().to_owned())).collect::<Vec<_>>();
-    let sides = ties.iter().flatten().chain(&seams).flat_map(sides).collect();
-    SidePairs { ties, seams, sides }
+    SidePairs { ties, seams, joined_outer }
 }
 
 /// The search for the sides of a case.
@@ -114,10 +115,23 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     fn exclude_named(&mut self) {
         let case = self.context.case;
         let ties = case.interfaces.iter().map(|t| (t.slave.as_slice(), t.master.as_slice()));
-        for (slaves, masters) in ties.chain(contacts(case)) {
+        let contacts = contacts(case).map(|(contact, masters)| (contact.slave.as_slice(), masters));
+        for (slaves, masters) in ties.chain(contacts) {
             for (a, b) in slaves.iter().flat_map(|a| masters.iter().map(move |b| (&a.value, &b.value))) {
                 self.search.exclude((a.patch, &a.side), (b.patch, &b.side));
             }
+        }
+    }
+
+    /// Marks the sides of contacts between bodies; of the slaves the parts `pressed`, if a contact takes no more.
+    fn contacts(&mut self, pressed: Vec<Option<Vec<Arc<SideView<S, N>>>>>) {
+        let case = self.context.case;
+        for (contact, parts) in case.contacts.iter().zip(pressed) {
+            let Some((_, masters)) = with_masters(contact) else { continue };
+            // what is wrong with a side is reported where its contact is built
+            let mut found = |list: &[Located<SideRef>]| list.iter().filter_map(|s| self.side(s).ok()).collect::<Vec<_>>();
+            let (slaves, masters) = (parts.unwrap_or_else(|| found(&contact.slave)), found(masters));
+            self.search.contact(&slaves, &masters);
         }
     }
 
@@ -254,11 +268,6 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     /// Warns of sides that `between` leaves apart though they are near for the size of their facets.
     fn near_sides(&mut self, ties: &[Vec<PairedSidesAt<S, N>>]) {
         let case = self.context.case;
-        for (slaves, masters) in contacts(case) {
-            // what is wrong with a side is reported where its contact is built
-            let [slaves, masters] = [slaves, masters].map(|list| list.iter().filter_map(|s| self.side(s).ok()).collect::<Vec<_>>());
-            self.search.contact(&slaves, &masters);
-        }
         for (tie, found) in case.interfaces.iter().zip(ties) {
             let Some(between) = tie.between.as_ref().filter(|_| tie.tolerance.value.is_none() && !found.is_empty()) else { continue };
             if let Ok(bodies) = self.bodies(between) {
@@ -268,10 +277,23 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
         }
     }
 
+    /// The sides of "all-outer" that are joined, with their parts that nothing joins.
+    fn joined_outer(&mut self) -> HashMap<SideRef, Vec<Arc<SideView<S, N>>>> {
+        let all = self.context.case.boundaries.iter().filter(|block| block.all_outer).flat_map(|block| &block.on);
+        let joined = |wanted: &Located<SideRef>| {
+            let side = self.side(wanted).ok()?;
+            let free = self.search.free_parts(&side);
+            let is_free = matches!(&free[..], [part] if Arc::ptr_eq(part, &side));
+            (!is_free).then(|| (wanted.value.clone(), free))
+        };
+        all.filter_map(joined).collect()
+    }
+
     /// Warns of sides and patches that nothing joins; sides that a boundary block names are meant to be open.
     fn unjoined_sides(&mut self) {
         let case = self.context.case;
-        let pairs = contacts(case).flat_map(|(a, b)| a.iter().flat_map(move |a| b.iter().map(move |b| [a.value.patch, b.value.patch])));
+        let pairs = contacts(case)
+            .flat_map(|(contact, b)| contact.slave.iter().flat_map(move |a| b.iter().map(move |b| [a.value.patch, b.value.patch])));
         let named = case.boundaries.iter().filter(|b| !b.all_outer).flat_map(|b| &b.on);
         // edges, corners and what is wrong are seen where the block is built
         let outer: Vec<_> = named.filter_map(|side| self.side(side).ok()).collect();
@@ -298,31 +320,33 @@ fn slave_parts<const S: usize, const N: usize>(
     }
 }
 
-/// Slaves and masters of the contacts between bodies.
-fn contacts(case: &Case) -> impl Iterator<Item = (&[Located<SideRef>], &[Located<SideRef>])> {
-    case.contacts.iter().filter_map(|c| match &c.master {
-        Master::Sides(masters) => Some((c.slave.as_slice(), masters.as_slice())),
+/// The parts of the slave sides that the `where` of a contact keeps; what is wrong with it is reported where the contact is built.
+fn pressed_parts<const S: usize, const N: usize>(
+    context: &LowerContext<'_, S, N>,
+    problem: &mut Problem<S, N>,
+    places: &Places,
+    (contact, filter): (&Contact, &Located<Formula>),
+) -> Vec<Arc<SideView<S, N>>> {
+    let part = |wanted| {
+        let region = part(context, problem, places, wanted, filter, &mut Centres::default()).ok().flatten()?;
+        problem.sides_of(region).ok()
+    };
+    contact.slave.iter().filter_map(part).flatten().collect()
+}
+
+/// A contact between bodies, with its masters.
+fn with_masters(contact: &Contact) -> Option<(&Contact, &[Located<SideRef>])> {
+    match &contact.master {
+        Master::Sides(masters) => Some((contact, masters)),
         Master::Rigid(_) => None,
-    })
+    }
+}
+
+/// The contacts between bodies, with their masters.
+fn contacts(case: &Case) -> impl Iterator<Item = (&Contact, &[Located<SideRef>])> {
+    case.contacts.iter().filter_map(with_masters)
 }
 
 fn is_all(between: &Located<Vec<String>>) -> bool {
     matches!(&between.value[..], [word] if word == "all")
-}
-
-/// Reports E026 if a side found by the search is slave already.
-fn slave_twice<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, ties: &[Vec<PairedSidesAt<S, N>>]) {
-    let mut first: BTreeMap<(usize, &str), usize> = BTreeMap::new();
-    let case = context.case;
-    for (k, (list, tie)) in ties.iter().zip(&case.interfaces).enumerate() {
-        for couple in list {
-            let before = first.insert((couple.slave.body(), couple.slave.name()), k);
-            if let Some(before) = before.filter(|_| tie.between.is_some()) {
-                let names = [&case.interfaces[before].name.value, &tie.name.value];
-                let text = format!("`{}` is slave twice: in interfaces \"{}\" and \"{}\"", couple.slave.label(), names[0], names[1]);
-                let fault = context.error("E026", text, couple.at).with_help("name slaves and masters in place of `between`");
-                context.faults.push(fault);
-            }
-        }
-    }
 }

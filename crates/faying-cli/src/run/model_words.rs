@@ -98,16 +98,10 @@ impl<const S: usize, const N: usize> Words<'_, S, N> {
         format!("{}.{}", self.case.patches[side.patch].name.value, side_names(self.case, side.patch)(&side.side))
     }
 
-    /// Labels of sides that interfaces tie or glue.
-    fn joined(&self) -> Vec<String> {
-        let ties = self.result.interface.iter().flat_map(|(_, report)| &report.sides);
-        ties.chain(self.result.geometry.glued.iter().map(|g| &g.sides)).flat_map(|s| [s.slave.clone(), s.master.clone()]).collect()
-    }
-
     fn boundaries(&self, text: &mut String) {
-        let joined = self.joined();
         for block in &self.case.boundaries {
-            let open = |side: &&Located<SideRef>| !block.all_outer || !joined.contains(&self.label(&side.value));
+            let open =
+                |side: &&Located<SideRef>| !block.all_outer || self.built.joined_outer.get(&side.value).is_none_or(|free| *free > 0.0);
             let sides: Vec<&SideRef> = block.on.iter().filter(open).map(|side| &side.value).collect();
             let names = sides.iter().map(|side| self.label(side) + &self.extent(side, block)).collect::<Vec<_>>().join(", ");
             let part = block.filter.as_ref().map_or_else(String::new, |f| format!(" where {}", f.value.text()));
@@ -127,7 +121,9 @@ impl<const S: usize, const N: usize> Words<'_, S, N> {
         let body = self.built.system.contents().body(side.patch);
         match body.body().trace(&side.side) {
             Ok(trace) if block.filter.is_none() => {
-                format!(" ({} {})", if S == 1 { "length" } else { "area" }, short(body.side_measure(&trace)))
+                let free = self.built.joined_outer.get(side).filter(|_| block.all_outer);
+                let measure = free.copied().unwrap_or_else(|| body.side_measure(&trace));
+                format!(" ({} {})", if S == 1 { "length" } else { "area" }, short(measure))
             }
             _ => String::new(),
         }

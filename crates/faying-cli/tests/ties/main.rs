@@ -13,6 +13,7 @@ mod iterative;
 mod kinks;
 mod mortar_balance;
 mod multipliers;
+mod partly_joined;
 mod poor_numbers;
 mod skeletons;
 mod soft_coupling;
