@@ -117,7 +117,13 @@ fn joining<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, a: 
             "write closed = \"{axis}\" in patch \"{patch}\" to make a ring of it; name both in [[boundary]] if they are to be open"
         );
     }
-    let tie = format!("[[interface]] with slave = \"{}\" and master = \"{}\"", b.label(), a.label());
+    let [slave, master] = [b, a].map(|side| (side.label(), &case.patches[side.body()].name.value));
+    let is_part = [slave.0, master.0].iter().any(|label| label.contains(" where "));
+    let tie = if is_part {
+        format!("[[interface]] with between = [\"{}\", \"{}\"]", master.1, slave.1)
+    } else {
+        format!("[[interface]] with slave = \"{}\" and master = \"{}\"", slave.0, master.0)
+    };
     if case.model.physics.value == Physics::Poisson {
         format!("write {tie} to tie them; name one in [[boundary]] if they are to be apart")
     } else {

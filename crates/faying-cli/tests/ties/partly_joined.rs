@@ -74,7 +74,7 @@ fn pressed(dimension: usize, upper: &str, elements: usize, joins: &str) -> Resul
 }
 
 /// The blocks above: backend, elements along x.
-const UPPER: [(&str, usize); 4] = [("backend = \"iga\"\ndegree = 2", 4), ("backend = \"fe\"", 9), ("backend = \"fe\"", 6), (SIMPLICES, 5)];
+const UPPER: [(&str, usize); 4] = [("backend = \"iga\"\ndegree = 2", 4), ("backend = \"fe\"", 9), ("backend = \"fe\"", 6), (SIMPLICES, 4)];
 const SIMPLICES: &str = "backend = \"fe\"\ncells = \"simplex\"";
 
 /// What joins a part, by a tag or by `where`, with one of both as slave; then `between`. What is joined in part and what is joined whole carry
@@ -117,6 +117,8 @@ fn the_rest_of_a_side_is_told_where_nothing_joins_it() {
         let rest = "`b.top where nothing joins it` and `up.bottom` touch, and nothing joins them";
         assert!(told.contains(&rest), "{dimension}: {told:?}");
         assert!(told.iter().all(|text| !text.contains("top0")), "{dimension}: {told:?}");
+        let help = result.warnings.iter().find(|w| w.message == rest).and_then(|w| w.help.clone()).unwrap_or_default();
+        assert!(help.starts_with("write [[interface]] with between = [\"b\", \"up\"] to tie them"), "{help}");
     }
 }
 
@@ -129,7 +131,7 @@ fn all_outer_is_what_nothing_joins() {
             let folder = tempfile::tempdir().unwrap();
             std::fs::write(folder.path().join("strip.inp"), strip(2, tags)).unwrap();
             let text = format!(
-                "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = \"x + 2*y\"\n[discretization]\ndegree = 1\n\
+                "[model]\nphysics = \"poisson\"\ndimension = 2\nexact = {{ u = \"x + 2*y\" }}\n[discretization]\ndegree = 1\n\
                  [[patch]]\nname = \"b\"\ngeometry = {{ kind = \"file\", file = \"strip.inp\" }}\nbackend = \"fe\"\n\
                  [[patch]]\nname = \"up\"\n{upper}\ngeometry = {{ kind = \"box\", min = [0, 1], max = [6, 2] }}\nelements = [{elements}, 2]\n\
                  [[boundary]]\non = \"b.bottom\"\ndirichlet = \"exact\"\n[[boundary]]\nname = \"rest\"\non = \"all-outer\"\nneumann = \"exact\"\n\
