@@ -59,9 +59,7 @@ impl Parted {
             pair(&t.slave, &t.master);
         }
         for c in contacts {
-            if let Master::Sides(master) = &c.master {
-                pair(&c.slave, master);
-            }
+            pair(&c.slave, c.masters());
         }
         let number = |name: &String| patches.iter().position(|p| p.name.value == *name);
         let lists = interfaces.iter().filter_map(|t| t.between.as_ref()).map(|b| b.value.iter().filter_map(number).collect()).collect();

@@ -34,17 +34,9 @@ impl Reader {
     /// Checks that a side is slave once, and never its own master, and that two sides are coupled once, in one direction (E026).
     pub fn slaves(&mut self, interfaces: &[Tie], contacts: &[Contact], patches: &[Patch]) {
         let mut first: BTreeMap<(usize, &str), (SourceSpan, bool)> = BTreeMap::new();
-        let none: &[Located<SideRef>] = &[];
         let ties = interfaces.iter().map(|t| ("interface", &t.name.value, &t.slave[..], &t.master[..], t.filter.is_some()));
-        let all: Vec<_> = ties
-            .chain(contacts.iter().map(|c| {
-                let master = match &c.master {
-                    Master::Sides(sides) => &sides[..],
-                    Master::Rigid(_) => none,
-                };
-                ("contact", &c.name.value, &c.slave[..], master, c.filter.is_some())
-            }))
-            .collect();
+        let all: Vec<_> =
+            ties.chain(contacts.iter().map(|c| ("contact", &c.name.value, &c.slave[..], c.masters(), c.filter.is_some()))).collect();
         for (k, &(kind, name, slave, master, _)) in all.iter().enumerate() {
             for &(other_kind, other, other_slave, other_master, _) in &all[..k] {
                 let twice = slave.iter().find_map(|s| {
@@ -117,12 +109,7 @@ impl Reader {
     ) -> Vec<Boundary> {
         let mut used: HashSet<SideRef> = read.iter().flat_map(|r| r.boundary.on.iter().map(|s| s.value.clone())).collect();
         used.extend(interfaces.iter().flat_map(|t| t.slave.iter().chain(&t.master)).map(|s| s.value.clone()));
-        for c in contacts {
-            used.extend(c.slave.iter().map(|s| s.value.clone()));
-            if let Master::Sides(sides) = &c.master {
-                used.extend(sides.iter().map(|s| s.value.clone()));
-            }
-        }
+        used.extend(contacts.iter().flat_map(|c| c.slave.iter().chain(c.masters())).map(|s| s.value.clone()));
         used.extend(joints.iter().flat_map(|j| j.sides.iter().cloned()));
         let mut seen: Option<SourceSpan> = None;
         let mut out = Vec::with_capacity(read.len());

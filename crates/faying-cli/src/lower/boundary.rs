@@ -1,5 +1,6 @@
 //! Boundary conditions and loads of the case, said block by block.
 
+use super::left_out;
 use super::lower_context::LowerContext;
 use super::parts::{self, Centres};
 use super::places::{Places, Said};
@@ -10,6 +11,7 @@ use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, SourceSpan};
 use faying::problem::{self, Data, ErrorKind, Problem, ProblemError, Region, RegionId, SideView, Statement, Value};
+use indexmap::IndexMap;
 use std::sync::Arc;
 
 /// Says the conditions, loads and springs of all boundary blocks; errors go to the context's faults.
@@ -19,13 +21,15 @@ pub(super) fn say<const S: usize, const N: usize>(
     places: &mut Places,
     couples: &SidePairs<S, N>,
 ) {
+    // measure of what `where` keeps of sides
+    let mut kept: IndexMap<&SideRef, f64> = IndexMap::new();
     for number in 0..context.case.boundaries.len() {
         let block = &context.case.boundaries[number];
         let mut said = Block { context, problem, places, number, block, centres: Centres::default() };
         let (mut on, mut named, mut rims, mut faults) = (Vec::with_capacity(block.on.len()), Vec::new(), Vec::new(), Vec::new());
         for wanted in &block.on {
             // what is joined to another side is no outer side
-            if let Some(free) = couples.joined_outer.get(&wanted.value).filter(|_| block.all_outer) {
+            if let Some(free) = couples.joined.get(&wanted.value).filter(|_| block.all_outer) {
                 match said.free(wanted, free) {
                     Ok(None) => {}
                     Ok(Some(part)) => {
@@ -50,6 +54,10 @@ pub(super) fn say<const S: usize, const N: usize>(
             let name = block.name.value.as_str();
             faults.extend(parts::cut(said.context, said.problem, said.places, (name, filter), &sides, &on));
         }
+        if block.filter.is_some() && !block.all_outer {
+            let measures = on.iter().map(|part| said.problem.measure(*part).unwrap_or_default());
+            named.iter().zip(measures).for_each(|(wanted, measure)| *kept.entry(&wanted.value).or_default() += measure);
+        }
         faults.extend(said.twice(&on, &named));
         faults.extend(on.iter().filter_map(|side| said.on_side(*side).err()).map(|fault| *fault));
         let all = [&on[..], &rims].concat();
@@ -61,6 +69,8 @@ pub(super) fn say<const S: usize, const N: usize>(
             context.faults.push(fault);
         }
     }
+    kept.retain(|side, _| !couples.joined.contains_key(side));
+    left_out::tell_cut(context, problem, places, &kept);
 }
 
 /// Sides that meet in an edge or a corner such as u0w1 or u0v0w0; `None` for other names.

@@ -1,7 +1,7 @@
 //! Bodies of patches that are read from meshes: the cells are transformed, refined, and made a Lagrange mesh.
 
 use super::lower_context::LowerContext;
-use crate::case::{Master, Patch, SideRef};
+use crate::case::{Patch, SideRef};
 use crate::errors::Diagnostic;
 use crate::place::Located;
 use crate::shapes::{mesh_fault, placed_points};
@@ -45,7 +45,7 @@ pub(super) fn unshared<const S: usize, const N: usize>(context: &mut LowerContex
     for (k, patch) in case.patches.iter().enumerate() {
         let of = |list: &[Located<SideRef>]| list.iter().any(|side| side.value.patch == k);
         let tied = case.interfaces.iter().any(|t| of(&t.slave) && of(&t.master));
-        let pressed = case.contacts.iter().any(|c| of(&c.slave) && matches!(&c.master, Master::Sides(list) if of(list)));
+        let pressed = case.contacts.iter().any(|c| of(&c.slave) && of(c.masters()));
         let cells = patch.geometry.shape.mesh_part().and_then(|p| p.cells::<N>());
         let Some(found) = cells.filter(|_| !tied && !pressed).and_then(|cells| unshared_points(&cells)) else { continue };
         let at = placed_points(&[found.at], &patch.geometry).unwrap_or_default();

@@ -94,8 +94,8 @@ where
 {
     let Stated { mut context, problem, places, couples } = stated(case, names, net)?;
     let system = problem.assemble_movable().map_err(|errors| faults::all(&mut context, &problem, &places, &errors))?;
-    let (glued_sides, joined_outer) = (couples.glued_sides(case), couples.joined_outer(&system.contents()));
-    let mut built = LoweredCase { system, glued_sides, joined_outer, reference: None, places, warnings: Diagnostics::new() };
+    let (glued_sides, free_measures) = (couples.glued_sides(case), couples.free_measures(&system.contents()));
+    let mut built = LoweredCase { system, glued_sides, free_measures, reference: None, places, warnings: Diagnostics::new() };
     let (found, contents) = (built.system.statement_warnings(), built.system.contents());
     multipliers::check(&mut context, &contents);
     left_out::tell(&mut context, &contents);

@@ -5,7 +5,7 @@ use super::lower_context::LowerContext;
 use super::parts::{Centres, of_slaves, part};
 use super::places::Places;
 use super::sides::side_fault;
-use crate::case::{Case, Contact, Master, SideRef, Tie};
+use crate::case::{Case, Contact, SideRef, Tie};
 use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, SourceSpan};
@@ -38,8 +38,8 @@ pub(super) struct SidePairs<const S: usize, const N: usize> {
     pub ties: Vec<Vec<PairedSidesAt<S, N>>>,
     /// Side pairs glued without an interface: closed patches, files of several patches, groups of one mesh.
     seams: Vec<PairedSidesAt<S, N>>,
-    /// The sides of "all-outer" that are joined, with their parts that nothing joins.
-    pub joined_outer: HashMap<SideRef, Vec<Arc<SideView<S, N>>>>,
+    /// The sides of boundary blocks that are joined, with their parts that nothing joins.
+    pub joined: HashMap<SideRef, Vec<Arc<SideView<S, N>>>>,
 }
 
 impl<const S: usize, const N: usize> SidePairs<S, N> {
@@ -54,10 +54,10 @@ impl<const S: usize, const N: usize> SidePairs<S, N> {
         self.glued_by_name(case).map(|(_, couple)| couple).chain(&self.seams)
     }
 
-    /// The sides of "all-outer" that are joined, with the measure of what nothing joins of them.
-    pub fn joined_outer(&self, contents: &Contents<'_, S, N>) -> HashMap<SideRef, f64> {
+    /// The sides of boundary blocks that are joined, with the measure of what nothing joins of them.
+    pub fn free_measures(&self, contents: &Contents<'_, S, N>) -> HashMap<SideRef, f64> {
         let free = |part: &Arc<SideView<S, N>>| contents.body(part.body()).side_measure(part.trace());
-        self.joined_outer.iter().map(|(side, parts)| (side.clone(), parts.iter().map(free).sum())).collect()
+        self.joined.iter().map(|(side, parts)| (side.clone(), parts.iter().map(free).sum())).collect()
     }
 
     /// Distance and share of every pair of sides glued by an interface; closed patches and seams of files are left out.
@@ -91,7 +91,7 @@ pub(super) fn find<const S: usize, const N: usize>(
     let parts: Vec<Option<Vec<Arc<SideView<S, N>>>>> = case.interfaces.iter().map(&mut of).collect();
     let mut of = |contact: &Contact| contact.filter.as_ref().map(|filter| pressed_parts(context, problem, places, (contact, filter)));
     let pressed: Vec<Option<Vec<Arc<SideView<S, N>>>>> = case.contacts.iter().map(&mut of).collect();
-    let (ties, seams, joined_outer) = problem.look_for_touching(|search| {
+    let (ties, seams, joined) = problem.look_for_touching(|search| {
         let mut finder = Finder { search, context };
         finder.exclude_named();
         finder.contacts(pressed);
@@ -99,9 +99,9 @@ pub(super) fn find<const S: usize, const N: usize>(
         let ties = finder.ties(&parts);
         finder.near_sides(&ties);
         finder.unjoined_sides();
-        (ties, seams, finder.joined_outer())
+        (ties, seams, finder.joined())
     });
-    SidePairs { ties, seams, joined_outer }
+    SidePairs { ties, seams, joined }
 }
 
 /// The search for the sides of a case.
@@ -115,7 +115,7 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     fn exclude_named(&mut self) {
         let case = self.context.case;
         let ties = case.interfaces.iter().map(|t| (t.slave.as_slice(), t.master.as_slice()));
-        let contacts = contacts(case).map(|(contact, masters)| (contact.slave.as_slice(), masters));
+        let contacts = case.contacts.iter().map(|contact| (contact.slave.as_slice(), contact.masters()));
         for (slaves, masters) in ties.chain(contacts) {
             for (a, b) in slaves.iter().flat_map(|a| masters.iter().map(move |b| (&a.value, &b.value))) {
                 self.search.exclude((a.patch, &a.side), (b.patch, &b.side));
@@ -127,10 +127,12 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     fn contacts(&mut self, pressed: Vec<Option<Vec<Arc<SideView<S, N>>>>>) {
         let case = self.context.case;
         for (contact, parts) in case.contacts.iter().zip(pressed) {
-            let Some((_, masters)) = with_masters(contact) else { continue };
+            if contact.masters().is_empty() {
+                continue;
+            }
             // what is wrong with a side is reported where its contact is built
             let mut found = |list: &[Located<SideRef>]| list.iter().filter_map(|s| self.side(s).ok()).collect::<Vec<_>>();
-            let (slaves, masters) = (parts.unwrap_or_else(|| found(&contact.slave)), found(masters));
+            let (slaves, masters) = (parts.unwrap_or_else(|| found(&contact.slave)), found(contact.masters()));
             self.search.contact(&slaves, &masters);
         }
     }
@@ -277,9 +279,9 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
         }
     }
 
-    /// The sides of "all-outer" that are joined, with their parts that nothing joins.
-    fn joined_outer(&mut self) -> HashMap<SideRef, Vec<Arc<SideView<S, N>>>> {
-        let all = self.context.case.boundaries.iter().filter(|block| block.all_outer).flat_map(|block| &block.on);
+    /// The sides of boundary blocks that are joined, with their parts that nothing joins.
+    fn joined(&mut self) -> HashMap<SideRef, Vec<Arc<SideView<S, N>>>> {
+        let all = self.context.case.boundaries.iter().filter(|block| block.all_outer || block.filter.is_some()).flat_map(|block| &block.on);
         let joined = |wanted: &Located<SideRef>| {
             let side = self.side(wanted).ok()?;
             let free = self.search.free_parts(&side);
@@ -292,8 +294,9 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     /// Warns of sides and patches that nothing joins; sides that a boundary block names are meant to be open.
     fn unjoined_sides(&mut self) {
         let case = self.context.case;
-        let pairs = contacts(case)
-            .flat_map(|(contact, b)| contact.slave.iter().flat_map(move |a| b.iter().map(move |b| [a.value.patch, b.value.patch])));
+        let pairs = case.contacts.iter().flat_map(|contact| {
+            contact.slave.iter().flat_map(move |a| contact.masters().iter().map(move |b| [a.value.patch, b.value.patch]))
+        });
         let named = case.boundaries.iter().filter(|b| !b.all_outer).flat_map(|b| &b.on);
         // edges, corners and what is wrong are seen where the block is built
         let outer: Vec<_> = named.filter_map(|side| self.side(side).ok()).collect();
@@ -332,19 +335,6 @@ fn pressed_parts<const S: usize, const N: usize>(
         problem.sides_of(region).ok()
     };
     contact.slave.iter().filter_map(part).flatten().collect()
-}
-
-/// A contact between bodies, with its masters.
-fn with_masters(contact: &Contact) -> Option<(&Contact, &[Located<SideRef>])> {
-    match &contact.master {
-        Master::Sides(masters) => Some((contact, masters)),
-        Master::Rigid(_) => None,
-    }
-}
-
-/// The contacts between bodies, with their masters.
-fn contacts(case: &Case) -> impl Iterator<Item = (&Contact, &[Located<SideRef>])> {
-    case.contacts.iter().filter_map(with_masters)
 }
 
 fn is_all(between: &Located<Vec<String>>) -> bool {

@@ -101,7 +101,7 @@ impl<const S: usize, const N: usize> Words<'_, S, N> {
     fn boundaries(&self, text: &mut String) {
         for block in &self.case.boundaries {
             let open =
-                |side: &&Located<SideRef>| !block.all_outer || self.built.joined_outer.get(&side.value).is_none_or(|free| *free > 0.0);
+                |side: &&Located<SideRef>| !block.all_outer || self.built.free_measures.get(&side.value).is_none_or(|free| *free > 0.0);
             let sides: Vec<&SideRef> = block.on.iter().filter(open).map(|side| &side.value).collect();
             let names = sides.iter().map(|side| self.label(side) + &self.extent(side, block)).collect::<Vec<_>>().join(", ");
             let part = block.filter.as_ref().map_or_else(String::new, |f| format!(" where {}", f.value.text()));
@@ -121,7 +121,7 @@ impl<const S: usize, const N: usize> Words<'_, S, N> {
         let body = self.built.system.contents().body(side.patch);
         match body.body().trace(&side.side) {
             Ok(trace) if block.filter.is_none() => {
-                let free = self.built.joined_outer.get(side).filter(|_| block.all_outer);
+                let free = self.built.free_measures.get(side).filter(|_| block.all_outer);
                 let measure = free.copied().unwrap_or_else(|| body.side_measure(&trace));
                 format!(" ({} {})", if S == 1 { "length" } else { "area" }, short(measure))
             }

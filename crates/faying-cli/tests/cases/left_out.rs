@@ -62,3 +62,23 @@ fn sides_that_are_tied_as_a_whole_or_named_elsewhere_are_not_told() {
         [[boundary]]\non = \"a.bottom\"\ndirichlet = \"x\"\n[[interface]]\nname = \"i\"\nslave = \"a.top\"\nmaster = \"b.bottom\"\n";
     assert!(note(&run(text)).is_none());
 }
+
+/// Sides of which a block of loads or supports names no more than a part.
+#[test]
+fn the_rest_of_a_side_that_where_cuts_is_told() {
+    let given = |where_: &str, given: &str| format!("[[boundary]]\non = \"b.top\"\nwhere = \"{where_}\"\n{given} = \"exact\"\n");
+    let part = tied(1.0, NAMED, &given("x < 0.5", "neumann"));
+    let told = note(&part).unwrap_or_else(|| panic!("{:?}", part.warnings));
+    assert!(told.message.contains("`b.top` is named with `where` alone") && told.message.contains("50 % of it"), "{told:?}");
+    assert!(told.help.as_ref().is_some_and(|help| help.contains("on = \"b.top\" with `where`")), "{told:?}");
+    assert!(*part.errors.get("error.u.L2").unwrap() > 1e-2, "{:?}", part.errors);
+    // both parts, by the same condition and by two, and a side that is tied where `where` does not hold
+    for rest in [given("x > 0.5", "neumann"), given("x > 0.5", "dirichlet")] {
+        let both = tied(1.0, NAMED, &(given("x < 0.5", "neumann") + &rest));
+        assert!(note(&both).is_none() && *both.errors.get("error.u.L2").unwrap() < 1e-12, "{:?}", both.warnings);
+    }
+    for tie in [NAMED, "between = \"all\""] {
+        let beside = tied(2.0, tie, "[[boundary]]\non = \"b.bottom\"\nwhere = \"x > 1\"\ndirichlet = \"exact\"\n");
+        assert!(note(&beside).is_none_or(|told| !told.message.contains("alone")), "{:?}", beside.warnings);
+    }
+}

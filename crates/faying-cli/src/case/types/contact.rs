@@ -153,3 +153,13 @@ pub struct Contact {
     /// Active set.
     pub active_set: ActiveSetSpec,
 }
+
+impl Contact {
+    /// The sides that its slaves meet; none of a rigid obstacle.
+    pub fn masters(&self) -> &[Located<SideRef>] {
+        match &self.master {
+            Master::Sides(masters) => masters,
+            Master::Rigid(_) => &[],
+        }
+    }
+}
