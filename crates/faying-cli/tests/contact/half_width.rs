@@ -254,18 +254,27 @@ fn within_a_hundredth(what: &str, cases: Vec<(String, f64)>, least: usize) {
     assert!(found.iter().filter(|f| !f.0.is_nan()).count() >= least, "{what}: {shown:?}");
 }
 
+/// With `FAYING_HERTZ=all` every problem on every space.
 #[test]
 fn zones_of_wedges_rounded_punches_and_receding_layers_end_within_a_hundredth() {
     let modulus = 1000.0 / (1.0 - 0.09);
     let meshes = [[50, 24], [60, 30], [70, 30], [80, 40], [90, 40], [100, 50], [120, 50]];
     let degrees = ["", "[discretization]\ndegree = 3\n", "[discretization]\nbackend = \"fe\"\ndegree = 2\n"];
-    for more in degrees {
+    for (k, more) in degrees.into_iter().enumerate() {
+        let takes = |problem: usize| problem == k || std::env::var("FAYING_HERTZ").is_ok_and(|v| v == "all");
         let wedges = meshes.iter().flat_map(|n| [14.0, 20.0, 27.0].map(|p| (p, *n)));
         let wedge = |(p, n): (f64, [usize; 2])| (pressed_half_plane("0.02*abs(x)", n, p) + more, p / (modulus * 0.02));
-        within_a_hundredth(&format!("wedge {more}"), wedges.map(wedge).collect(), 8);
+        if takes(0) {
+            within_a_hundredth(&format!("wedge {more}"), wedges.map(wedge).collect(), 8);
+        }
         let punches = [[80, 40], [120, 50], [140, 50], [180, 50], [220, 60]].into_iter().flat_map(|n| [20.0, 40.0, 80.0].map(|p| (p, n)));
         let punch = |(p, n): (f64, [usize; 2])| (pressed_half_plane("max(0, x - 1)^2/40", n, p) + more, rounded_punch(p, modulus));
-        within_a_hundredth(&format!("punch {more}"), punches.map(punch).collect(), 7);
+        if takes(1) {
+            within_a_hundredth(&format!("punch {more}"), punches.map(punch).collect(), 7);
+        }
+        if !takes(2) {
+            continue;
+        }
         let fine = contact(&solve(&(receding_layer([600, 30]) + more), &[]), "c").half_width.unwrap();
         let layers = [[50, 8], [60, 12], [70, 10], [80, 12], [100, 12], [120, 16], [160, 16], [200, 20]];
         within_a_hundredth(&format!("layer {more}"), layers.map(|n| (receding_layer(n) + more, fine)).to_vec(), 4);
