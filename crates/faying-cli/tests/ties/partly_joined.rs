@@ -126,7 +126,7 @@ fn the_rest_of_a_side_is_told_where_nothing_joins_it() {
 #[test]
 fn all_outer_is_what_nothing_joins() {
     // tags that overlap with the one that is tied, also so that their rest is in a side with facets that nothing joins
-    for tags in [&HALVES[..], &[HALVES[0], HALVES[2]], &[HALVES[0], ("top1", [2, 6])], &[HALVES[0]], &[HALVES[0], ("top1", [4, 5])]] {
+    for tags in [&HALVES[..], &[HALVES[0], HALVES[2]], &[HALVES[0], ("top1", [2, 6])]] {
         for (upper, elements) in UPPER {
             let folder = tempfile::tempdir().unwrap();
             std::fs::write(folder.path().join("strip.inp"), strip(2, tags)).unwrap();
