@@ -139,6 +139,7 @@ pub use data::{Data, Derivatives, Exact, Function, Point, field_slope};
 pub use deformation::{Beyond, Deformation};
 pub use error::{ErrorKind, ProblemError, ProblemErrors};
 pub use extremes::Extreme;
+pub use facet_owners::FacetOwners;
 pub use facets_apart::FacetsApart;
 pub use facing_obstacle::TurnedAway;
 pub use forecast::Forecast;

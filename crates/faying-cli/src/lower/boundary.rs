@@ -11,7 +11,6 @@ use crate::errors::Diagnostic;
 use crate::formula::Formula;
 use crate::place::{Located, SourceSpan};
 use faying::problem::{self, Data, ErrorKind, Problem, ProblemError, Region, RegionId, SideView, Statement, Value};
-use indexmap::IndexMap;
 use std::sync::Arc;
 
 /// Says the conditions, loads and springs of all boundary blocks; errors go to the context's faults.
@@ -21,15 +20,15 @@ pub(super) fn say<const S: usize, const N: usize>(
     places: &mut Places,
     couples: &SidePairs<S, N>,
 ) {
-    // measure of what `where` keeps of sides
-    let mut kept: IndexMap<&SideRef, f64> = IndexMap::new();
+    // the sides of all blocks
+    let mut given = Vec::new();
     for number in 0..context.case.boundaries.len() {
         let block = &context.case.boundaries[number];
         let mut said = Block { context, problem, places, number, block, centres: Centres::default() };
         let (mut on, mut named, mut rims, mut faults) = (Vec::with_capacity(block.on.len()), Vec::new(), Vec::new(), Vec::new());
         for wanted in &block.on {
             // what is joined to another side is no outer side
-            if let Some(free) = couples.joined.get(&wanted.value).filter(|_| block.all_outer) {
+            if let Some(free) = couples.joined_outer.get(&wanted.value).filter(|_| block.all_outer) {
                 match said.free(wanted, free) {
                     Ok(None) => {}
                     Ok(Some(part)) => {
@@ -54,10 +53,7 @@ pub(super) fn say<const S: usize, const N: usize>(
             let name = block.name.value.as_str();
             faults.extend(parts::cut(said.context, said.problem, said.places, (name, filter), &sides, &on));
         }
-        if block.filter.is_some() && !block.all_outer {
-            let measures = on.iter().map(|part| said.problem.measure(*part).unwrap_or_default());
-            named.iter().zip(measures).for_each(|(wanted, measure)| *kept.entry(&wanted.value).or_default() += measure);
-        }
+        given.extend(on.iter().flat_map(|part| said.problem.sides_of(*part).unwrap_or_default()));
         faults.extend(said.twice(&on, &named));
         faults.extend(on.iter().filter_map(|side| said.on_side(*side).err()).map(|fault| *fault));
         let all = [&on[..], &rims].concat();
@@ -69,8 +65,9 @@ pub(super) fn say<const S: usize, const N: usize>(
             context.faults.push(fault);
         }
     }
-    kept.retain(|side, _| !couples.joined.contains_key(side));
-    left_out::tell_cut(context, problem, places, &kept);
+    if !context.faults.has_errors() {
+        left_out::tell_in_no_block(context, problem, places, couples.sides().chain(&given));
+    }
 }
 
 /// Sides that meet in an edge or a corner such as u0w1 or u0v0w0; `None` for other names.

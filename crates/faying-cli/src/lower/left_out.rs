@@ -1,82 +1,104 @@
-//! Parts of sides that "all-outer" leaves out: a side of which a part is tied, or named by `where`, stands in another block, and so does the
-//! rest of it.
+//! Parts of sides that "all-outer" leaves out: a side of which a block names a part, or that is tied in part, stands in another block, and so
+//! does the rest of it.
 
 use super::lower_context::LowerContext;
 use super::places::Places;
 use crate::case::SideRef;
+use crate::errors::Diagnostic;
+use crate::place::Located;
 use crate::text_format::percent;
-use faying::problem::{Contents, Problem, SideView};
-use indexmap::IndexMap;
-use std::collections::{BTreeMap, HashSet};
+use faying::problem::{Contents, FacetOwners, Problem, SideView};
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Least share of a side that is told: facets of one curve differ in length by less.
 const LEFT: f64 = 0.02;
 
-/// Warns (E021) of tied sides whose free rest is in no block where "all-outer" stands for the boundary.
-pub(super) fn tell<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, contents: &Contents<'_, S, N>) {
-    let case = context.case;
-    let Some(outer) = case.boundaries.iter().find(|b| b.all_outer) else { return };
-    // what a search found of a side that another block joins in part is tied as a side of its own
-    let cuts = case.interfaces.iter().filter(|tie| tie.filter.is_some()).flat_map(|tie| &tie.slave);
-    let is_cut = |side: &SideView<S, N>| cuts.clone().any(|cut| cut.value.patch == side.body() && cut.value.side == side.name());
-    let is_own = |side: &SideView<S, N>| side.label().contains(" where ") && !is_cut(side);
-    // per side its label, the measure of what is tied, and of all of it
-    let mut tied: BTreeMap<(usize, String, Option<String>), (String, f64, f64)> = BTreeMap::new();
-    let mut add = |side: &SideView<S, N>, covered: f64| {
-        let (view, label) = (contents.body(side.body()), side.label().to_owned());
-        let own = is_own(side).then(|| label.clone());
-        let whole = if own.is_none() { view.body().trace(side.name()).ok() } else { None };
-        let measure = || view.side_measure(whole.as_ref().unwrap_or(side.trace()));
-        tied.entry((side.body(), side.name().to_owned(), own)).or_insert_with(|| (label, 0.0, measure())).1 += covered;
-    };
-    for slave in contents.ties().flat_map(|tie| tie.sides()) {
-        for pair in slave.pairs() {
-            add(slave.side(), pair.covered());
-            add(pair.master(), pair.covered());
-        }
-    }
-    for ((body, name, _), (label, covered, measure)) in tied {
-        let left = 1.0 - covered / measure;
-        let named = case.boundaries.iter().filter(|b| !b.all_outer).flat_map(|b| &b.on);
-        if left > LEFT && !named.clone().any(|side| side.value.patch == body && side.value.side == name) {
-            let text = format!(
-                "`{label}` is tied in part, and \"all-outer\" leaves out the rest, {} % of it: nothing is given there",
-                percent(left)
-            );
-            let warning = context.warning("E021", text, outer.head.at).with_help(help(label.split(" where ").next().unwrap_or(&label)));
-            context.faults.push(warning);
-        }
-    }
-}
-
-/// Warns (E021) of sides of which boundary blocks name no more than a part by `where`, and no other block anything, where "all-outer" stands for
-/// the boundary; `kept`: the measure of the parts.
-pub(super) fn tell_cut<const S: usize, const N: usize>(
+/// Warns (E021) of sides of blocks with facets that none of the sides of all blocks, `given`, has, where "all-outer" stands for the boundary.
+pub(super) fn tell_in_no_block<'s, const S: usize, const N: usize>(
     context: &mut LowerContext<'_, S, N>,
     problem: &mut Problem<S, N>,
     places: &Places,
-    kept: &IndexMap<&SideRef, f64>,
+    given: impl Iterator<Item = &'s Arc<SideView<S, N>>>,
 ) {
     let case = context.case;
-    let Some(outer) = case.boundaries.iter().find(|b| b.all_outer) else { return };
-    let whole = case.boundaries.iter().filter(|b| b.filter.is_none() && !b.all_outer).flat_map(|b| &b.on);
-    let whole = whole.chain(case.interfaces.iter().flat_map(|tie| tie.slave.iter().chain(&tie.master)));
-    let whole = whole.chain(case.contacts.iter().flat_map(|contact| contact.slave.iter().chain(contact.masters())));
-    let whole: HashSet<&SideRef> = whole.map(|side| &side.value).collect();
-    for (side, measure) in kept.iter().filter(|(side, _)| !whole.contains(*side)) {
-        let on = places.bodies[side.patch].side(&side.side);
-        let left = 1.0 - measure / problem.measure(on).unwrap_or(*measure);
-        if left > LEFT {
-            let label = problem.sides_of(on).ok().and_then(|sides| Some(sides.first()?.label().to_owned())).unwrap_or_default();
-            let text = format!(
-                "`{label}` is named with `where` alone, and \"all-outer\" leaves out the rest, {} % of it: nothing is given there",
-                percent(left)
-            );
-            context.faults.push(context.warning("E021", text, outer.head.at).with_help(help(&label)));
+    if !case.boundaries.iter().any(|b| b.all_outer) {
+        return;
+    }
+    let mut owners = FacetOwners::default();
+    given.for_each(|side| owners.add(side, 0));
+    let ties = case.interfaces.iter().flat_map(|tie| tie.slave.iter().chain(&tie.master));
+    let contacts = case.contacts.iter().flat_map(|contact| contact.slave.iter().chain(contact.masters()));
+    for Located { value: SideRef { patch, side }, .. } in named(context).chain(ties).chain(contacts) {
+        // edges, corners and what is wrong are seen elsewhere
+        let Ok(whole) = problem.sides_of(places.bodies[*patch].side(side)) else { continue };
+        for side in whole {
+            let left = owners.free_measure(&side) / FacetOwners::default().free_measure(&side);
+            if left > LEFT {
+                let fault = left_out(context, side.label(), "stands in another block with a part of it", left);
+                context.faults.push(fault);
+                owners.add(&side, 0);
+            }
         }
     }
 }
 
-fn help(side: &str) -> String {
-    format!("name that part in a block of its own, on = \"{side}\" with `where`, if it is not to be free")
+/// Warns (E021) of tied sides of which a part meets nothing, where "all-outer" stands for the boundary and no other block names them.
+pub(super) fn tell_uncovered<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, contents: &Contents<'_, S, N>) {
+    if !context.case.boundaries.iter().any(|b| b.all_outer) {
+        return;
+    }
+    // slaves and masters with the measure of what meets, of contacts the slaves whole
+    let mut sides: Vec<(&SideView<S, N>, f64)> = Vec::new();
+    for (interface, is_tied) in contents.ties().map(|t| (t, true)).chain(contents.contacts().map(|c| (c, false))) {
+        for slave in interface.sides() {
+            let (pairs, whole) = (slave.pairs(), FacetOwners::default().free_measure(slave.side()));
+            let covered: f64 = pairs.iter().map(|pair| pair.covered()).sum();
+            sides.push((slave.side(), if is_tied { covered } else { whole }));
+            sides.extend(pairs.iter().map(|pair| (pair.master(), pair.covered())));
+        }
+    }
+    // sides with common facets count as one
+    let mut owners = FacetOwners::default();
+    let mut groups: Vec<usize> = (0..sides.len()).collect();
+    for (k, (side, _)) in sides.iter().enumerate() {
+        for group in owners.of(*side).map(|other| groups[other]).collect::<Vec<_>>() {
+            let own = groups[k];
+            groups.iter_mut().filter(|g| **g == group).for_each(|g| *g = own);
+        }
+        owners.add(side, k);
+    }
+    let (mut seen, mut measures) = (FacetOwners::default(), BTreeMap::new());
+    for (k, (side, covered)) in sides.iter().enumerate() {
+        let of: &mut (Vec<usize>, f64, f64) = measures.entry(groups[k]).or_default();
+        of.0.push(k);
+        of.1 += covered;
+        of.2 += seen.free_measure(side);
+        seen.add(side, k);
+    }
+    let tied = contents.ties().map(|tie| tie.sides().iter().map(|slave| 1 + slave.pairs().len()).sum::<usize>()).sum::<usize>();
+    for (group, covered, measure) in measures.into_values() {
+        let left = 1.0 - covered / measure;
+        let is_named = |&k: &usize| named(context).any(|n| n.value.patch == sides[k].0.body() && n.value.side == sides[k].0.name());
+        if left > LEFT && group[0] < tied && !group.iter().any(is_named) {
+            let fault = left_out(context, sides[group[0]].0.label(), "is tied in part", left);
+            context.faults.push(fault);
+        }
+    }
+}
+
+/// The sides of all boundary blocks but "all-outer".
+fn named<'a, const S: usize, const N: usize>(
+    context: &LowerContext<'a, S, N>,
+) -> impl Iterator<Item = &'a Located<SideRef>> + use<'a, S, N> {
+    context.case.boundaries.iter().filter(|b| !b.all_outer).flat_map(|b| &b.on)
+}
+
+fn left_out<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, label: &str, how: &str, share: f64) -> Diagnostic {
+    let at = context.case.boundaries.iter().find(|b| b.all_outer).map(|b| b.head.at).unwrap_or_default();
+    let text = format!("`{label}` {how}, and \"all-outer\" leaves out the rest, {} % of it: nothing is given there", percent(share));
+    let side = label.split(" where ").next().unwrap_or(label);
+    context
+        .warning("E021", text, at)
+        .with_help(format!("name that part in a block of its own, on = \"{side}\" with `where`, if it is not to be free"))
 }

@@ -15,7 +15,7 @@ pub struct LoweredCase<const S: usize, const N: usize> {
     pub system: System<S, N>,
     /// Sides that interfaces of the case glue.
     pub glued_sides: Vec<GluedSides>,
-    /// The sides of boundary blocks that are joined, with the measure of what nothing joins of them \[length^(dimension - 1)\].
+    /// The sides of "all-outer" that are joined, with the measure of what nothing joins of them \[length^(dimension - 1)\].
     pub free_measures: HashMap<SideRef, f64>,
     /// A stored run that replaces an exact solution.
     pub reference: Option<Reference<S, N>>,

@@ -38,8 +38,10 @@ pub(super) struct SidePairs<const S: usize, const N: usize> {
     pub ties: Vec<Vec<PairedSidesAt<S, N>>>,
     /// Side pairs glued without an interface: closed patches, files of several patches, groups of one mesh.
     seams: Vec<PairedSidesAt<S, N>>,
-    /// The sides of boundary blocks that are joined, with their parts that nothing joins.
-    pub joined: HashMap<SideRef, Vec<Arc<SideView<S, N>>>>,
+    /// Slaves and masters of the contacts, of the slaves the parts that are pressed.
+    pressed: Vec<Arc<SideView<S, N>>>,
+    /// The sides of "all-outer" that are joined, with their parts that nothing joins.
+    pub joined_outer: HashMap<SideRef, Vec<Arc<SideView<S, N>>>>,
 }
 
 impl<const S: usize, const N: usize> SidePairs<S, N> {
@@ -54,10 +56,16 @@ impl<const S: usize, const N: usize> SidePairs<S, N> {
         self.glued_by_name(case).map(|(_, couple)| couple).chain(&self.seams)
     }
 
-    /// The sides of boundary blocks that are joined, with the measure of what nothing joins of them.
+    /// The sides that couples join and contacts press.
+    pub fn sides(&self) -> impl Iterator<Item = &Arc<SideView<S, N>>> {
+        let couples = self.ties.iter().flatten().chain(&self.seams);
+        couples.flat_map(|couple| couple.masters.iter().chain([&couple.slave])).chain(&self.pressed)
+    }
+
+    /// The sides of "all-outer" that are joined, with the measure of what nothing joins of them.
     pub fn free_measures(&self, contents: &Contents<'_, S, N>) -> HashMap<SideRef, f64> {
         let free = |part: &Arc<SideView<S, N>>| contents.body(part.body()).side_measure(part.trace());
-        self.joined.iter().map(|(side, parts)| (side.clone(), parts.iter().map(free).sum())).collect()
+        self.joined_outer.iter().map(|(side, parts)| (side.clone(), parts.iter().map(free).sum())).collect()
     }
 
     /// Distance and share of every pair of sides glued by an interface; closed patches and seams of files are left out.
@@ -91,17 +99,17 @@ pub(super) fn find<const S: usize, const N: usize>(
     let parts: Vec<Option<Vec<Arc<SideView<S, N>>>>> = case.interfaces.iter().map(&mut of).collect();
     let mut of = |contact: &Contact| contact.filter.as_ref().map(|filter| pressed_parts(context, problem, places, (contact, filter)));
     let pressed: Vec<Option<Vec<Arc<SideView<S, N>>>>> = case.contacts.iter().map(&mut of).collect();
-    let (ties, seams, joined) = problem.look_for_touching(|search| {
+    let (ties, seams, pressed, joined_outer) = problem.look_for_touching(|search| {
         let mut finder = Finder { search, context };
         finder.exclude_named();
-        finder.contacts(pressed);
+        let pressed = finder.contacts(pressed);
         let seams = finder.seams(files);
         let ties = finder.ties(&parts);
         finder.near_sides(&ties);
         finder.unjoined_sides();
-        (ties, seams, finder.joined())
+        (ties, seams, pressed, finder.joined_outer())
     });
-    SidePairs { ties, seams, joined }
+    SidePairs { ties, seams, pressed, joined_outer }
 }
 
 /// The search for the sides of a case.
@@ -123,18 +131,21 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
         }
     }
 
-    /// Marks the sides of contacts between bodies; of the slaves the parts `pressed`, if a contact takes no more.
-    fn contacts(&mut self, pressed: Vec<Option<Vec<Arc<SideView<S, N>>>>>) {
+    /// Marks the sides of contacts between bodies; returns slaves and masters of all contacts. Of the slaves these are the parts `pressed`, if a
+    /// contact takes no more.
+    fn contacts(&mut self, pressed: Vec<Option<Vec<Arc<SideView<S, N>>>>>) -> Vec<Arc<SideView<S, N>>> {
         let case = self.context.case;
+        let mut all = Vec::new();
         for (contact, parts) in case.contacts.iter().zip(pressed) {
-            if contact.masters().is_empty() {
-                continue;
-            }
             // what is wrong with a side is reported where its contact is built
             let mut found = |list: &[Located<SideRef>]| list.iter().filter_map(|s| self.side(s).ok()).collect::<Vec<_>>();
             let (slaves, masters) = (parts.unwrap_or_else(|| found(&contact.slave)), found(contact.masters()));
-            self.search.contact(&slaves, &masters);
+            if !masters.is_empty() {
+                self.search.contact(&slaves, &masters);
+            }
+            all.extend(slaves.into_iter().chain(masters));
         }
+        all
     }
 
     fn side(&mut self, wanted: &Located<SideRef>) -> Result<Arc<SideView<S, N>>, Box<Diagnostic>> {
@@ -279,9 +290,9 @@ impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
         }
     }
 
-    /// The sides of boundary blocks that are joined, with their parts that nothing joins.
-    fn joined(&mut self) -> HashMap<SideRef, Vec<Arc<SideView<S, N>>>> {
-        let all = self.context.case.boundaries.iter().filter(|block| block.all_outer || block.filter.is_some()).flat_map(|block| &block.on);
+    /// The sides of "all-outer" that are joined, with their parts that nothing joins.
+    fn joined_outer(&mut self) -> HashMap<SideRef, Vec<Arc<SideView<S, N>>>> {
+        let all = self.context.case.boundaries.iter().filter(|block| block.all_outer).flat_map(|block| &block.on);
         let joined = |wanted: &Located<SideRef>| {
             let side = self.side(wanted).ok()?;
             let free = self.search.free_parts(&side);
