@@ -47,6 +47,8 @@ impl Groups {
 #[derive(Clone, Debug, Default)]
 pub(super) struct JoinedSides {
     named: BTreeSet<SidePair>,
+    /// Of the named ones those that are excluded where both sides are joined, to whatever it may be.
+    rest: BTreeSet<SidePair>,
     /// (couple, whether as slave) for every couple that a facet is part of.
     of_facet: BTreeMap<FacetKey, Vec<(usize, bool)>>,
     couples: usize,
@@ -60,6 +62,11 @@ impl JoinedSides {
     /// Excludes a pair of sides.
     pub fn exclude(&mut self, pair: SidePair) {
         self.named.insert(pair);
+    }
+
+    /// Restricts the exclusion of a pair of sides by its names to parts that are joined, to whatever it may be.
+    pub fn include_rest(&mut self, pair: SidePair) {
+        self.rest.insert(pair);
     }
 
     /// Joins the sides of a couple.
@@ -99,13 +106,14 @@ impl JoinedSides {
 
     /// Whether a pair of sides is excluded.
     pub fn hold<const S: usize, const N: usize>(&self, a: &Candidate<S, N>, b: &Candidate<S, N>) -> bool {
-        self.named.contains(&side_pair(key(&a.side), key(&b.side)))
-            || a.marks.iter().any(|&(couple, slave)| b.marks.contains(&(couple, !slave)))
+        let pair = side_pair(key(&a.side), key(&b.side));
+        let is_rest = self.rest.contains(&pair) && (a.marks.is_empty() || b.marks.is_empty());
+        self.named.contains(&pair) && !is_rest || a.marks.iter().any(|&(couple, slave)| b.marks.contains(&(couple, !slave)))
     }
 }
 
 /// Restricts `shares` to sides without common facets: of overlapping sides the largest of the fully covered ones is kept, else the smallest
-/// (`touched`: share of a side's facets on any other).
+/// (`touched`: share of a side's facets on any other); where that leaves out a facet, the largest of all.
 ///
 /// # Errors
 /// Indices of a dropped side and of one it touches with facets that lie on no kept side.
@@ -119,9 +127,26 @@ pub(super) fn disjoint<const S: usize, const N: usize>(
         let (covered, facets) = (touched[k] >= 1.0 - SAME, all[k].trace.facets.len());
         (!covered, if covered { usize::MAX - facets } else { facets })
     });
+    let kept = kept_in(all, shares, &order).or_else(|beyond| {
+        order.sort_by_key(|&k| usize::MAX - all[k].trace.facets.len());
+        kept_in(all, shares, &order).map_err(|_| beyond)
+    })?;
+    shares.retain(|(a, b), _| kept[*a] && kept[*b]);
+    Ok(())
+}
+
+/// Whether a side is kept, by which those with common facets that come later in `order` are dropped.
+///
+/// # Errors
+/// Those of [`disjoint`].
+fn kept_in<const S: usize, const N: usize>(
+    all: &[Arc<BodySide<S, N>>],
+    shares: &BTreeMap<(usize, usize), f64>,
+    order: &[usize],
+) -> Result<Vec<bool>, [usize; 2]> {
     let mut taken: BTreeSet<FacetKey> = BTreeSet::new();
     let mut kept = vec![false; all.len()];
-    for &k in &order {
+    for &k in order {
         kept[k] = facet_keys(&all[k]).all(|f| !taken.contains(&f));
         if kept[k] {
             taken.extend(facet_keys(&all[k]));
@@ -141,6 +166,5 @@ pub(super) fn disjoint<const S: usize, const N: usize>(
             return Err([a, b]);
         }
     }
-    shares.retain(|(a, b), _| kept[*a] && kept[*b]);
-    Ok(())
+    Ok(kept)
 }

@@ -68,6 +68,11 @@ impl<'a, const S: usize, const N: usize> Search<'a, S, N> {
         self.joined.exclude(side_pair(a, b));
     }
 
+    /// Restricts the exclusion of a pair of sides (body, name) to parts that are joined: a statement joins no more of them than a part.
+    pub fn include_rest(&mut self, a: (usize, &str), b: (usize, &str)) {
+        self.joined.include_rest(side_pair(a, b));
+    }
+
     /// Joins two sides whose functions are shared.
     pub fn glue(&mut self, slave: Arc<BodySide<S, N>>, master: Arc<BodySide<S, N>>) -> PairedSides<S, N> {
         let couple = PairedSides { slave, masters: vec![master], tolerance: None, is_named: false, explained: None };

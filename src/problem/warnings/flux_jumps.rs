@@ -242,6 +242,13 @@ fn across<const S: usize, const N: usize>(model: &Model<S, N>, part: &TiePart<S,
                 let (Some(own), Some(other)) = (own, other) else { continue };
                 let jump = distance(&own, &other);
                 worst.largest = worst.largest.max(distance(&own, &[0.0; 3])).max(distance(&other, &[0.0; 3]));
+                // the flux along a side counts, too: that across it may be zero but for rounding
+                let axes = if jump > JUMP * worst.largest { N } else { 0 };
+                for axis in 0..axes {
+                    let along = Vector::<N>::from_fn(|k, _| f64::from(u8::from(k == axis)));
+                    let flux = slave.own_traction(&**own_exact, t, &(x - off), [&along, &-normal], depths[0]);
+                    worst.largest = worst.largest.max(flux.map_or(0.0, |flux| distance(&flux, &[0.0; 3])));
+                }
                 if jump > worst.size {
                     (worst.size, worst.at) = (jump, *x);
                 }

@@ -1,8 +1,8 @@
 //! Sentences of what a search for touching sides finds, and of its errors.
 
 use super::lower_context::LowerContext;
-use super::sides::side_fault;
-use crate::case::{Physics, SideRef};
+use super::sides::{has_name, side_fault};
+use crate::case::{Physics, SideRef, Tie};
 use crate::errors::Diagnostic;
 use crate::place::{Located, SourceSpan};
 use crate::text_format::{labels, place, short};
@@ -117,12 +117,18 @@ fn joining<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, a: 
             "write closed = \"{axis}\" in patch \"{patch}\" to make a ring of it; name both in [[boundary]] if they are to be open"
         );
     }
-    let [slave, master] = [b, a].map(|side| (side.label(), &case.patches[side.body()].name.value));
-    let is_part = [slave.0, master.0].iter().any(|label| label.contains(" where "));
-    let tie = if is_part {
-        format!("[[interface]] with between = [\"{}\", \"{}\"]", master.1, slave.1)
+    let tie = if [a, b].iter().all(|side| has_name(case, side.body(), side.name()) && !side.label().contains(" where ")) {
+        format!("[[interface]] with slave = \"{}\" and master = \"{}\"", b.label(), a.label())
     } else {
-        format!("[[interface]] with slave = \"{}\" and master = \"{}\"", slave.0, master.0)
+        let names = [a, b].map(|side| case.patches[side.body()].name.value.as_str());
+        let is_joined = |tie: &Tie| {
+            tie.between.as_ref().is_some_and(|list| names.iter().all(|name| list.value.iter().any(|n| n == "all" || n == name)))
+        };
+        if case.interfaces.iter().any(is_joined) {
+            "[[interface]] with that part, by a tag of its own or by `where`,".to_owned()
+        } else {
+            format!("[[interface]] with between = [\"{}\", \"{}\"]", names[0], names[1])
+        }
     };
     if case.model.physics.value == Physics::Poisson {
         format!("write {tie} to tie them; name one in [[boundary]] if they are to be apart")

@@ -3,6 +3,7 @@
 
 use super::lower_context::LowerContext;
 use super::places::Places;
+use super::sides::has_name;
 use crate::case::SideRef;
 use crate::errors::Diagnostic;
 use crate::place::Located;
@@ -35,7 +36,7 @@ pub(super) fn tell_in_no_block<'s, const S: usize, const N: usize>(
         for side in whole {
             let left = owners.free_measure(&side) / FacetOwners::default().free_measure(&side);
             if left > LEFT {
-                let fault = left_out(context, side.label(), "stands in another block with a part of it", left);
+                let fault = left_out(context, &side, "stands in another block with a part of it", left);
                 context.faults.push(fault);
                 owners.add(&side, 0);
             }
@@ -81,7 +82,7 @@ pub(super) fn tell_uncovered<const S: usize, const N: usize>(context: &mut Lower
         let left = 1.0 - covered / measure;
         let is_named = |&k: &usize| named(context).any(|n| n.value.patch == sides[k].0.body() && n.value.side == sides[k].0.name());
         if left > LEFT && group[0] < tied && !group.iter().any(is_named) {
-            let fault = left_out(context, sides[group[0]].0.label(), "is tied in part", left);
+            let fault = left_out(context, sides[group[0]].0, "is tied in part", left);
             context.faults.push(fault);
         }
     }
@@ -94,11 +95,15 @@ fn named<'a, const S: usize, const N: usize>(
     context.case.boundaries.iter().filter(|b| !b.all_outer).flat_map(|b| &b.on)
 }
 
-fn left_out<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, label: &str, how: &str, share: f64) -> Diagnostic {
+fn left_out<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, side: &SideView<S, N>, how: &str, share: f64) -> Diagnostic {
+    let label = side.label();
     let at = context.case.boundaries.iter().find(|b| b.all_outer).map(|b| b.head.at).unwrap_or_default();
     let text = format!("`{label}` {how}, and \"all-outer\" leaves out the rest, {} % of it: nothing is given there", percent(share));
-    let side = label.split(" where ").next().unwrap_or(label);
-    context
-        .warning("E021", text, at)
-        .with_help(format!("name that part in a block of its own, on = \"{side}\" with `where`, if it is not to be free"))
+    let whole = label.split(" where ").next().unwrap_or(label);
+    let help = if has_name(context.case, side.body(), side.name()) {
+        format!("name that part in a block of its own, on = \"{whole}\" with `where`, if it is not to be free")
+    } else {
+        "give that part a tag of its own in the mesh, and a block, if it is not to be free".to_owned()
+    };
+    context.warning("E021", text, at).with_help(help)
 }

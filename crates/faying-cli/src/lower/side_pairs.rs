@@ -13,7 +13,7 @@ use crate::registry::is_glue;
 use crate::result::{GluedSides, TiedSides};
 use faying::problem::touching::{PairedSides, Search, Share, TouchError};
 use faying::problem::{Contents, Problem, SideView};
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::{Deref, Range};
 use std::sync::Arc;
 
@@ -104,6 +104,7 @@ pub(super) fn find<const S: usize, const N: usize>(
         finder.exclude_named();
         let pressed = finder.contacts(pressed);
         let seams = finder.seams(files);
+        finder.include_rest();
         let ties = finder.ties(&parts);
         finder.near_sides(&ties);
         finder.unjoined_sides();
@@ -121,14 +122,16 @@ struct Finder<'a, 'b, 'c, 'd, const S: usize, const N: usize> {
 impl<const S: usize, const N: usize> Finder<'_, '_, '_, '_, S, N> {
     /// Excludes the side pairs that interfaces and contacts of the case name.
     fn exclude_named(&mut self) {
+        named_pairs(self.context.case).for_each(|(a, b, _)| self.search.exclude((a.patch, &a.side), (b.patch, &b.side)));
+    }
+
+    /// Lets the search find what interfaces leave of pairs that they name with `where`.
+    fn include_rest(&mut self) {
         let case = self.context.case;
-        let ties = case.interfaces.iter().map(|t| (t.slave.as_slice(), t.master.as_slice()));
-        let contacts = case.contacts.iter().map(|contact| (contact.slave.as_slice(), contact.masters()));
-        for (slaves, masters) in ties.chain(contacts) {
-            for (a, b) in slaves.iter().flat_map(|a| masters.iter().map(move |b| (&a.value, &b.value))) {
-                self.search.exclude((a.patch, &a.side), (b.patch, &b.side));
-            }
-        }
+        let whole: HashSet<[&SideRef; 2]> =
+            named_pairs(case).filter(|(.., is_whole)| *is_whole).flat_map(|(a, b, _)| [[a, b], [b, a]]).collect();
+        let rest = named_pairs(case).filter(|(a, b, _)| !whole.contains(&[*a, *b]));
+        rest.for_each(|(a, b, _)| self.search.include_rest((a.patch, &a.side), (b.patch, &b.side)));
     }
 
     /// Marks the sides of contacts between bodies; returns slaves and masters of all contacts. Of the slaves these are the parts `pressed`, if a
@@ -346,6 +349,15 @@ fn pressed_parts<const S: usize, const N: usize>(
         problem.sides_of(region).ok()
     };
     contact.slave.iter().filter_map(part).flatten().collect()
+}
+
+/// The pairs of sides that interfaces and contacts name, and whether nothing else may join them: interfaces join no more than what their `where`
+/// keeps, contacts say what of a pair may meet.
+fn named_pairs(case: &Case) -> impl Iterator<Item = (&SideRef, &SideRef, bool)> {
+    let ties = case.interfaces.iter().map(|t| (&t.slave[..], &t.master[..], t.filter.is_none()));
+    let contacts = case.contacts.iter().map(|contact| (&contact.slave[..], contact.masters(), true));
+    ties.chain(contacts)
+        .flat_map(|(slaves, masters, whole)| slaves.iter().flat_map(move |a| masters.iter().map(move |b| (&a.value, &b.value, whole))))
 }
 
 fn is_all(between: &Located<Vec<String>>) -> bool {

@@ -33,6 +33,11 @@ pub(super) fn refused<const S: usize, const N: usize>(
     }
 }
 
+/// Whether the case can name a side: what is left of the boundary of a mesh has no name in its file.
+pub(super) fn has_name(case: &Case, patch: usize, side: &str) -> bool {
+    case.patches[patch].geometry.shape.mesh_part().is_none_or(|part| part.tags().contains(&side))
+}
+
 /// Names of the sides of a patch in the body's own words: aliases on boxes, directions or tags elsewhere.
 pub(crate) fn names(case: &Case, patch: usize) -> SideNames {
     let dimension = case.model.dimension.value;

@@ -103,3 +103,25 @@ fn a_flux_that_jumps_between_patches_is_told_and_missing_solutions_are_named() {
         "does not stand beside `exact`",
     );
 }
+
+/// Two layers in tension along their interface: no flux crosses it but for rounding, of which one layer has thrice as much as the other.
+#[test]
+fn a_flux_along_an_interface_does_not_jump_across_it() {
+    let layer = |name: &str, material: &str, y: [f64; 2], n: usize| {
+        format!(
+            "[[patch]]\nname = \"{name}\"\nmaterial = \"{material}\"\ngeometry = {{ kind = \"box\", min = [0, {}], max = [2, {}] }}\nelements = [{n}, 2]\n",
+            y[0], y[1]
+        )
+    };
+    let text =
+        "[model]\nphysics = \"elasticity\"\ndimension = 2\nassumption = \"plane-stress\"\nexact = { u = [\"0.1*x\", \"-0.033*y\"] }\n\
+                [[material]]\nname = \"soft\"\nyoung = 1\npoisson = 0.33\n[[material]]\nname = \"stiff\"\nyoung = 3\npoisson = 0.33\n"
+            .to_owned()
+            + &layer("l", "soft", [0.0, 1.0], 3)
+            + &layer("u", "stiff", [1.0, 2.0], 4)
+            + "[[boundary]]\non = [\"l.left\", \"u.left\"]\ndirichlet = \"exact\"\n[[boundary]]\non = [\"l.right\", \"u.right\", \"l.bottom\", \"u.top\"]\n\
+           neumann = \"exact\"\n[[interface]]\nname = \"i\"\nslave = \"u.bottom\"\nmaster = \"l.top\"\n";
+    let result = run(&text);
+    assert!(result.warnings.iter().all(|w| w.code != "E017"), "{:?}", result.warnings);
+    assert!(error(&result, "error.u.L2") < 1e-12, "{:?}", result.errors);
+}

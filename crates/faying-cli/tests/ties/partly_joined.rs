@@ -88,20 +88,23 @@ fn the_rest_of_a_side_is_tied() {
         join("interface", "b.top0", "BOTTOM", ""),
         join("interface", "BOTTOM", "b.top0", "where = \"x < 2.9\"\n"),
         join("interface", "BOTTOM", "b.top1", "where = \"x > 3.4\"\n"),
+        join("interface", "BOTTOM", "b.top", "where = \"x < 2.9\"\n"),
+        join("interface", "b.top", "BOTTOM", "where = \"x > 3\"\n"),
         join("contact", "b.top0", "BOTTOM", ""),
         join("contact", "b.top1", "BOTTOM", ""),
     ];
     for dimension in [2, 3] {
         for (upper, elements) in UPPER {
             for (part, between) in parts.iter().flat_map(|part| ["\"all\"", "[\"b\", \"up\"]"].map(|b| (part, b))) {
-                let text = format!("{part}[[interface]]\nname = \"rest\"\nbetween = {between}\n");
+                let free = "[[boundary]]\non = \"all-outer\"\ntraction = ".to_owned() + ["[0, 0]\n", "[0, 0, 0]\n"][dimension - 2];
+                let text = format!("{part}[[interface]]\nname = \"rest\"\nbetween = {between}\n{free}");
                 let what = format!("{dimension} {upper} {elements}\n{text}");
                 let result = pressed(dimension, upper, elements, &text).unwrap_or_else(|e| panic!("{e}\n{what}"));
                 assert_eq!(result.status, Status::Ok, "{:?}\n{what}", result.diagnostics);
                 for probe in &result.probes {
                     assert!((probe.value + 0.02).abs() < 1e-9, "{}: {}\n{what}", probe.name, probe.value);
                 }
-                assert!(result.warnings.iter().all(|w| w.code != "E023"), "{:?}\n{what}", result.warnings);
+                assert!(result.warnings.iter().all(|w| w.code != "E023" && w.code != "E021"), "{:?}\n{what}", result.warnings);
             }
         }
     }

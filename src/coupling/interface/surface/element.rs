@@ -207,21 +207,25 @@ impl<'a> Sides<'a> {
     /// Functions of degree p of a triangle have total degree p, those of a tensor cell 2 p. On a sector of a region a product of total degree d
     /// has the degree d + 1 along the rays, so that d / 2 + 1 points are exact; on rectangles along both cells the degree is 2 p per
     /// direction, and p + 1 are.
-    fn exact_points(&self, own: &Facet, other: &Facet) -> usize {
+    fn exact_points(&self, own: &Facet, other: &Facet, chain: &[EdgePiece]) -> usize {
         let is_triangle = [own, other].map(|facet| facet.polygon == Polygon::Triangle);
         let are_aligned = || {
             let turn = own.back * other.jacobian;
             let (along, across) = (turn.diagonal().amax(), turn[(0, 1)].abs().max(turn[(1, 0)].abs()));
             along.min(across) <= ALIGNED * along.max(across)
         };
-        if is_triangle == [true; 2] || is_triangle == [false; 2] && are_aligned() { self.points } else { 2 * self.points - 1 }
+        // rounding may leave a corner within a side, with which the region is no rectangle to `fill`
+        let is_rectangle =
+            || chain.len() == 4 && chain.iter().map(|piece| piece.to() - piece.from()).all(|d| d.amin() <= ALIGNED * d.amax());
+        let is_product = is_triangle == [false; 2] && are_aligned() && is_rectangle();
+        if is_triangle == [true; 2] || is_product { self.points } else { 2 * self.points - 1 }
     }
 
     /// Points and weights of a region in the chart.
     fn points(&self, work: &Work<'_, 'a>, region: &Region) -> WeightedPoints {
         let (own, other) = (&work.facets.list[work.facet], &self.master.facets.list[region.facet]);
         let is_straight = own.affine && other.affine && !region.chain.iter().any(EdgePiece::is_curve);
-        let n = if is_straight { self.exact_points(own, other) } else { (self.points + 3).max(5) };
+        let n = if is_straight { self.exact_points(own, other, &region.chain) } else { (self.points + 3).max(5) };
         let own_pole = own.pole.then(|| own.polygon.corner(2));
         let poles: Vec<Vector<2>> = own_pole.into_iter().chain(region.pole).collect();
         let mut points = Vec::with_capacity(region.chain.len() * n * n);
