@@ -39,8 +39,8 @@ where
     }
     meshes::unshared(context);
     // patches of files with several patches: their touching sides are glued
-    let couples = side_pairs::find(context, &mut problem, &places, &case.glued_files());
+    let mut couples = side_pairs::find(context, &mut problem, &places, &case.glued_files());
     glue::say(context, &mut problem, &mut places, &couples);
-    boundary::say(context, &mut problem, &mut places, &couples);
+    couples.named = boundary::say(context, &mut problem, &mut places, &couples);
     Ok((problem, places, couples))
 }

@@ -13,15 +13,16 @@ use crate::place::{Located, SourceSpan};
 use faying::problem::{self, Data, ErrorKind, Problem, ProblemError, Region, RegionId, SideView, Statement, Value};
 use std::sync::Arc;
 
-/// Says the conditions, loads and springs of all boundary blocks; errors go to the context's faults.
+/// Says the conditions, loads and springs of all boundary blocks; errors go to the context's faults. Returns the sides of all blocks but
+/// "all-outer".
 pub(super) fn say<const S: usize, const N: usize>(
     context: &mut LowerContext<'_, S, N>,
     problem: &mut Problem<S, N>,
     places: &mut Places,
     couples: &SidePairs<S, N>,
-) {
-    // the sides of all blocks
-    let mut given = Vec::new();
+) -> Vec<Arc<SideView<S, N>>> {
+    // the sides of all blocks, and of those that name them
+    let (mut given, mut by_name) = (Vec::new(), Vec::new());
     for number in 0..context.case.boundaries.len() {
         let block = &context.case.boundaries[number];
         let mut said = Block { context, problem, places, number, block, centres: Centres::default() };
@@ -53,7 +54,8 @@ pub(super) fn say<const S: usize, const N: usize>(
             let name = block.name.value.as_str();
             faults.extend(parts::cut(said.context, said.problem, said.places, (name, filter), &sides, &on));
         }
-        given.extend(on.iter().flat_map(|part| said.problem.sides_of(*part).unwrap_or_default()));
+        let list = if block.all_outer { &mut given } else { &mut by_name };
+        list.extend(on.iter().flat_map(|part| said.problem.sides_of(*part).unwrap_or_default()));
         faults.extend(said.twice(&on, &named));
         faults.extend(on.iter().filter_map(|side| said.on_side(*side).err()).map(|fault| *fault));
         let all = [&on[..], &rims].concat();
@@ -66,8 +68,9 @@ pub(super) fn say<const S: usize, const N: usize>(
         }
     }
     if !context.faults.has_errors() {
-        left_out::tell_in_no_block(context, problem, places, couples.sides().chain(&given));
+        left_out::tell_in_no_block(context, problem, places, couples.sides().chain(&given).chain(&by_name));
     }
+    by_name
 }
 
 /// Sides that meet in an edge or a corner such as u0w1 or u0v0w0; `None` for other names.

@@ -9,7 +9,7 @@ use crate::errors::Diagnostic;
 use crate::place::Located;
 use crate::text_format::percent;
 use faying::problem::{Contents, FacetOwners, Problem, SideView};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Least share of a side that is told: facets of one curve differ in length by less.
@@ -28,9 +28,10 @@ pub(super) fn tell_in_no_block<'s, const S: usize, const N: usize>(
     }
     let mut owners = FacetOwners::default();
     given.for_each(|side| owners.add(side, 0));
+    let blocks = case.boundaries.iter().filter(|b| !b.all_outer).flat_map(|b| &b.on);
     let ties = case.interfaces.iter().flat_map(|tie| tie.slave.iter().chain(&tie.master));
     let contacts = case.contacts.iter().flat_map(|contact| contact.slave.iter().chain(contact.masters()));
-    for Located { value: SideRef { patch, side }, .. } in named(context).chain(ties).chain(contacts) {
+    for Located { value: SideRef { patch, side }, .. } in blocks.chain(ties).chain(contacts) {
         // edges, corners and what is wrong are seen elsewhere
         let Ok(whole) = problem.sides_of(places.bodies[*patch].side(side)) else { continue };
         for side in whole {
@@ -44,8 +45,13 @@ pub(super) fn tell_in_no_block<'s, const S: usize, const N: usize>(
     }
 }
 
-/// Warns (E021) of tied sides of which a part meets nothing, where "all-outer" stands for the boundary and no other block names them.
-pub(super) fn tell_uncovered<const S: usize, const N: usize>(context: &mut LowerContext<'_, S, N>, contents: &Contents<'_, S, N>) {
+/// Warns (E021) of tied sides of which a part meets nothing, where "all-outer" stands for the boundary and no other block names that part;
+/// `named`: the sides of the other blocks.
+pub(super) fn tell_uncovered<const S: usize, const N: usize>(
+    context: &mut LowerContext<'_, S, N>,
+    contents: &Contents<'_, S, N>,
+    named: &[Arc<SideView<S, N>>],
+) {
     if !context.case.boundaries.iter().any(|b| b.all_outer) {
         return;
     }
@@ -59,11 +65,13 @@ pub(super) fn tell_uncovered<const S: usize, const N: usize>(context: &mut Lower
             sides.extend(pairs.iter().map(|pair| (pair.master(), pair.covered())));
         }
     }
-    // sides with common facets count as one
-    let mut owners = FacetOwners::default();
+    sides.extend(named.iter().map(|side| (&**side, FacetOwners::default().free_measure(side))));
+    // sides with common facets count as one, and pieces of a side
+    let (mut owners, mut pieces) = (FacetOwners::default(), BTreeMap::new());
     let mut groups: Vec<usize> = (0..sides.len()).collect();
     for (k, (side, _)) in sides.iter().enumerate() {
-        for group in owners.of(*side).map(|other| groups[other]).collect::<Vec<_>>() {
+        let first = *pieces.entry((side.body(), side.label())).or_insert(k);
+        for group in owners.of(*side).chain([first]).map(|other| groups[other]).collect::<BTreeSet<_>>() {
             let own = groups[k];
             groups.iter_mut().filter(|g| **g == group).for_each(|g| *g = own);
         }
@@ -71,28 +79,19 @@ pub(super) fn tell_uncovered<const S: usize, const N: usize>(context: &mut Lower
     }
     let (mut seen, mut measures) = (FacetOwners::default(), BTreeMap::new());
     for (k, (side, covered)) in sides.iter().enumerate() {
-        let of: &mut (Vec<usize>, f64, f64) = measures.entry(groups[k]).or_default();
-        of.0.push(k);
+        let of: &mut (usize, f64, f64) = measures.entry(groups[k]).or_insert((k, 0.0, 0.0));
         of.1 += covered;
         of.2 += seen.free_measure(side);
         seen.add(side, k);
     }
     let tied = contents.ties().map(|tie| tie.sides().iter().map(|slave| 1 + slave.pairs().len()).sum::<usize>()).sum::<usize>();
-    for (group, covered, measure) in measures.into_values() {
+    for (first, covered, measure) in measures.into_values() {
         let left = 1.0 - covered / measure;
-        let is_named = |&k: &usize| named(context).any(|n| n.value.patch == sides[k].0.body() && n.value.side == sides[k].0.name());
-        if left > LEFT && group[0] < tied && !group.iter().any(is_named) {
-            let fault = left_out(context, sides[group[0]].0, "is tied in part", left);
+        if left > LEFT && first < tied {
+            let fault = left_out(context, sides[first].0, "is tied in part", left);
             context.faults.push(fault);
         }
     }
-}
-
-/// The sides of all boundary blocks but "all-outer".
-fn named<'a, const S: usize, const N: usize>(
-    context: &LowerContext<'a, S, N>,
-) -> impl Iterator<Item = &'a Located<SideRef>> + use<'a, S, N> {
-    context.case.boundaries.iter().filter(|b| !b.all_outer).flat_map(|b| &b.on)
 }
 
 fn left_out<const S: usize, const N: usize>(context: &LowerContext<'_, S, N>, side: &SideView<S, N>, how: &str, share: f64) -> Diagnostic {

@@ -98,7 +98,7 @@ where
     let mut built = LoweredCase { system, glued_sides, free_measures, reference: None, places, warnings: Diagnostics::new() };
     let (found, contents) = (built.system.statement_warnings(), built.system.contents());
     multipliers::check(&mut context, &contents);
-    left_out::tell_uncovered(&mut context, &contents);
+    left_out::tell_uncovered(&mut context, &contents, &couples.named);
     warned::tell(&mut context, &built.places, found.iter().filter(|w| matches!(w, Warning::CornerValues { .. })));
     contacts::check(&mut context, &problem, &built, &found);
     context.stop()?;

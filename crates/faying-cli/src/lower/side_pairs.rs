@@ -40,6 +40,8 @@ pub(super) struct SidePairs<const S: usize, const N: usize> {
     seams: Vec<PairedSidesAt<S, N>>,
     /// Slaves and masters of the contacts, of the slaves the parts that are pressed.
     pressed: Vec<Arc<SideView<S, N>>>,
+    /// The sides of boundary blocks but "all-outer".
+    pub named: Vec<Arc<SideView<S, N>>>,
     /// The sides of "all-outer" that are joined, with their parts that nothing joins.
     pub joined_outer: HashMap<SideRef, Vec<Arc<SideView<S, N>>>>,
 }
@@ -110,7 +112,7 @@ pub(super) fn find<const S: usize, const N: usize>(
         finder.unjoined_sides();
         (ties, seams, pressed, finder.joined_outer())
     });
-    SidePairs { ties, seams, pressed, joined_outer }
+    SidePairs { ties, seams, pressed, named: Vec::new(), joined_outer }
 }
 
 /// The search for the sides of a case.

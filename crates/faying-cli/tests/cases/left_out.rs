@@ -52,6 +52,13 @@ fn sides_that_are_tied_as_a_whole_or_named_elsewhere_are_not_told() {
         let whole = tied(1.0, tie, "");
         assert!(note(&whole).is_none() && *whole.errors.get("error.u.L2").unwrap() < 1e-12, "{:?}", whole.warnings);
     }
+    // of what the tie leaves a half is named
+    let half = tied(3.0, NAMED, "[[boundary]]\non = \"b.bottom\"\nwhere = \"x > 2\"\ndirichlet = \"exact\"\n");
+    assert!(
+        note(&half).is_some_and(|told| told.message.contains("is tied in part") && told.message.contains("leaves out the rest")),
+        "{:?}",
+        half.warnings
+    );
     // the remedy of the help; elements of b end where the tie does
     let named = tied(2.0, NAMED, "[[boundary]]\non = \"b.bottom\"\nwhere = \"x > 1\"\ndirichlet = \"exact\"\n");
     assert!(note(&named).is_none(), "{:?}", named.warnings);

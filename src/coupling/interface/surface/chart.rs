@@ -60,6 +60,11 @@ struct Model {
 }
 
 impl<'a> Chart<'a> {
+    /// Rounding of coordinates that are found.
+    pub fn rounding(&self) -> f64 {
+        4.0 * self.done
+    }
+
     /// The chart of a facet; `rounding`: that of the positions it is given \[length\].
     pub fn new(facets: &'a Facets<'a>, facet: usize, rounding: f64) -> Self {
         let own = &facets.list[facet];
