@@ -46,15 +46,12 @@ impl<const S: usize, const N: usize> Problem<S, N> {
                 facets[usize::from(space.cell(e) == Cell::Simplex)].push(e);
             }
         }
-        let (kind, facets) = match facets {
+        let facets = match facets {
             [a, b] if a.is_empty() && b.is_empty() => return Ok(None),
-            [a, b] if b.is_empty() => (Cell::Tensor, a),
-            [a, b] if a.is_empty() => (Cell::Simplex, b),
+            [a, b] if a.is_empty() || b.is_empty() => [a, b].concat(),
             _ => return Err(ProblemError::named(ErrorKind::MixedCells, &[&whole.label])),
         };
-        let (body, trace) = (&self.bodies[whole.patch], self.compiled.part(&whole.trace, &facets, kind));
-        let label = format!("{} where {what}", whole.label);
-        let part = BodySide::of_trace(body, whole.patch, side.name, label, trace);
+        let part = whole.part(&self.bodies, self.compiled, &facets, format!("{} where {what}", whole.label));
         Ok(Some(self.new_region(vec![RegionPart::Side(Arc::new(part))])))
     }
 

@@ -1,5 +1,6 @@
 //! Sides of bodies as parts of a problem.
 
+use super::compiled::Compiled;
 use super::model::{BodyModel, BodySide, Model};
 use crate::assembly::{gauss_rules, revolved};
 use crate::quadrature::PerElement;
@@ -21,7 +22,13 @@ impl<const S: usize, const N: usize> BodySide<S, N> {
         Ok(Self::of_trace(patch, number, side, label, patch.body.trace(side)?))
     }
 
-    /// The part `trace` of a side, arguments before it as in [`BodySide::new`].
+    /// The elements `elements` of this side, cells of one shape, as a side with the name `label`; bodies and traces as in its model.
+    pub(super) fn part(&self, patches: &[BodyModel<S, N>], compiled: &dyn Compiled<S, N>, elements: &[usize], label: String) -> Self {
+        let trace = compiled.part(&self.trace, elements, self.trace.space.cell(elements[0]));
+        Self::of_trace(&patches[self.patch], self.patch, &self.side, label, trace)
+    }
+
+    /// The side with the trace `trace`, arguments before it as in [`BodySide::new`].
     pub(crate) fn of_trace(patch: &BodyModel<S, N>, number: usize, side: &str, label: String, trace: Trace<S, N>) -> Self {
         let rules = rules(&trace, patch.extra_points, patch.is_revolved());
         Self {

@@ -90,8 +90,7 @@ impl<const S: usize, const N: usize> Problem<S, N> {
             return vec![side.clone()];
         }
         let part = |elements: &Vec<usize>| {
-            let trace = self.compiled.part(&side.trace, elements, space.cell(elements[0]));
-            let own = BodySide::of_trace(&self.bodies[side.patch], side.patch, &side.side, side.label.clone(), trace);
+            let own = side.part(&self.bodies, self.compiled, elements, side.label.clone());
             let of_whole = |&e: &usize| side.whole.as_ref().map_or(e, |whole| whole.elements[e]);
             Arc::new(BodySide { whole: Some(Whole { side: side.said(), elements: elements.iter().map(of_whole).collect() }), ..own })
         };

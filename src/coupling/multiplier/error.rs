@@ -61,7 +61,7 @@ pub enum MultiplierError {
     NothingFree,
     /// More multipliers than slave unknowns that can carry them.
     #[error(
-        "component {component} has {multipliers} multipliers for {free} free unknowns of the slave side; refine the side or take a multiplier of lower degree"
+        "component {component} has {multipliers} multipliers for {free} free unknowns of the slave side; refine the side or take another multiplier"
     )]
     TooMany {
         /// The component.

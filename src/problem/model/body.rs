@@ -161,6 +161,12 @@ impl<const S: usize, const N: usize> BodySide<S, N> {
         self.runs[self.runs.partition_point(|r| r.0 <= element) - 1].1
     }
 
+    /// Measure of the side by its rules \[length^S\], of a body of revolution with the factor 2 pi r.
+    pub fn measure(&self) -> f64 {
+        let mut map = MapTable::new();
+        (0..self.trace.facets.len()).map(|element| self.measure_of(element, &mut map)).sum()
+    }
+
     /// Measure of an element of the side by its rule \[length^S\], of a body of revolution with the factor 2 pi r.
     pub(crate) fn measure_of(&self, element: usize, map: &mut MapTable<S, N>) -> f64 {
         let rule = self.rules.rule(element);

@@ -24,16 +24,13 @@ impl<const S: usize, const N: usize> Search<'_, S, N> {
         if of_facets.iter().all(|marks| *marks == first) {
             return vec![Candidate { side: side.clone(), marks: first }];
         }
-        let shape = |e: usize| side.trace.space.cell(e);
         let mut parts: BTreeMap<(Marks, bool), Vec<usize>> = BTreeMap::new();
         for (e, marks) in of_facets.into_iter().enumerate() {
-            parts.entry((marks, shape(e) == Cell::Simplex)).or_default().push(e);
+            parts.entry((marks, side.trace.space.cell(e) == Cell::Simplex)).or_default().push(e);
         }
         let part = |((marks, _), elements): ((Marks, bool), Vec<usize>)| {
-            let trace = self.compiled.part(&side.trace, &elements, shape(elements[0]));
             let label = format!("{} where {}", side.label, if marks.is_empty() { "nothing joins it" } else { "it is joined" });
-            let side = Arc::new(BodySide::of_trace(&self.patches[side.patch], side.patch, &side.side, label, trace));
-            Candidate { side, marks }
+            Candidate { side: Arc::new(side.part(self.patches, self.compiled, &elements, label)), marks }
         };
         parts.into_iter().map(part).collect()
     }

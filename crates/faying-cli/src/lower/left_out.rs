@@ -35,7 +35,7 @@ pub(super) fn tell_in_no_block<'s, const S: usize, const N: usize>(
         // edges, corners and what is wrong are seen elsewhere
         let Ok(whole) = problem.sides_of(places.bodies[*patch].side(side)) else { continue };
         for side in whole {
-            let left = owners.free_measure(&side) / FacetOwners::default().free_measure(&side);
+            let left = owners.free_measure(&side) / side.measure();
             if left > LEFT {
                 let fault = left_out(context, &side, "stands in another block with a part of it", left);
                 context.faults.push(fault);
@@ -59,13 +59,13 @@ pub(super) fn tell_uncovered<const S: usize, const N: usize>(
     let mut sides: Vec<(&SideView<S, N>, f64)> = Vec::new();
     for (interface, is_tied) in contents.ties().map(|t| (t, true)).chain(contents.contacts().map(|c| (c, false))) {
         for slave in interface.sides() {
-            let (pairs, whole) = (slave.pairs(), FacetOwners::default().free_measure(slave.side()));
+            let (pairs, whole) = (slave.pairs(), slave.side().measure());
             let covered: f64 = pairs.iter().map(|pair| pair.covered()).sum();
             sides.push((slave.side(), if is_tied { covered } else { whole }));
             sides.extend(pairs.iter().map(|pair| (pair.master(), pair.covered())));
         }
     }
-    sides.extend(named.iter().map(|side| (&**side, FacetOwners::default().free_measure(side))));
+    sides.extend(named.iter().map(|side| (&**side, side.measure())));
     // sides with common facets count as one, and pieces of a side
     let (mut owners, mut pieces) = (FacetOwners::default(), BTreeMap::new());
     let mut groups: Vec<usize> = (0..sides.len()).collect();

@@ -4,7 +4,7 @@ use super::lower_context::LowerContext;
 use super::places::Places;
 use crate::case::Multiplier;
 use crate::errors::Diagnostic;
-use crate::place::{Located, SourceSpan};
+use crate::place::Located;
 use crate::registry::is_glue;
 use crate::text_format::component_name;
 use faying::coupling::multiplier::{MultiplierError, MultiplierKind, has_triangles};
@@ -13,6 +13,8 @@ use std::sync::Arc;
 
 /// The multiplier that every side has.
 pub(super) const FULL: &str = "p/p";
+/// Advice where no multiplier may do.
+const NITSCHE: &str = ", or \"nitsche\" as coupling or method, which has no multiplier";
 
 /// Returns the multiplier `wanted` by the case.
 pub(super) fn multiplier<const S: usize, const N: usize>(
@@ -106,9 +108,10 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
     name: &str,
     slave: &SideView<S, N>,
     error: &MultiplierError,
-    at: SourceSpan,
+    wanted: &Located<Multiplier>,
     components: usize,
 ) -> Diagnostic {
+    let at = wanted.at;
     match error {
         MultiplierError::NoDual { .. } => {
             context.error("E064", format!("\"{name}\" on `{}`: {error}", slave.label()), at).with_help(positive_help(slave))
@@ -121,11 +124,11 @@ pub(super) fn multiplier_fault<const S: usize, const N: usize>(
             };
             context
                 .error("E024", format!("the multiplier of \"{name}\" on `{}` cannot be lowered at {at_what}: {error}", slave.label()), at)
-                .with_help(more_elements(slave) + &or + ", or \"nitsche\" as coupling or method, which has no multiplier")
+                .with_help(more_elements(slave) + &or + NITSCHE)
         }
         MultiplierError::TooMany { component, multipliers, free } => {
             let direction = format!("component {}", component_name(*component, components));
-            too_many(context, name, slave, &direction, (*multipliers, *free), at)
+            too_many(context, name, slave, &direction, (*multipliers, *free), wanted)
         }
         MultiplierError::Revolution => {
             context.error("E019", format!("\"{name}\" on `{}`: {error}", slave.label()), at).with_help(positive_help(slave))
@@ -141,13 +144,18 @@ pub(super) fn too_many<const S: usize, const N: usize>(
     slave: &SideView<S, N>,
     direction: &str,
     (multipliers, free): (usize, usize),
-    at: SourceSpan,
+    wanted: &Located<Multiplier>,
 ) -> Diagnostic {
     let text = format!(
         "the multiplier of \"{name}\" on `{}` is over-constrained: {direction} has {multipliers} functions for {free} free unknowns",
         slave.label()
     );
-    context.error("E024", text, at).with_help(more_elements(slave) + ", or take a multiplier of lower degree")
+    let is_full = match &wanted.value {
+        Multiplier::Named(word) => word.parse::<MultiplierKind>().is_ok_and(|k| k.resolved(&*slave.trace().space).to_string() == FULL),
+        Multiplier::Data { .. } => false,
+    };
+    let or = if is_full { ", or take a multiplier of lower degree" } else { ", or take p/p, which is lowered where the side is held" };
+    context.error("E024", text, wanted.at).with_help(more_elements(slave) + or + NITSCHE)
 }
 
 /// Help text for a side that conditions hold in one of `components`, naming them; `None` if there are none. Obstacles, which have no side,

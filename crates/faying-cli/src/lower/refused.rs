@@ -62,7 +62,7 @@ fn tie_fault<const S: usize, const N: usize>(
             context.error("E024", text, at).with_some_help(held_help(source, (slave, masters), held, *by_equations))
         }
         InterfaceError::Multiplier { component, error } => {
-            let mut fault = multiplier_fault(context, name, slave, error, tie.multiplier.at, N.max(2));
+            let mut fault = multiplier_fault(context, name, slave, error, &tie.multiplier, N.max(2));
             let at_rim = matches!(error, MultiplierError::NothingLeft { .. } | MultiplierError::NothingLeftAtEdge { .. });
             if let Some(c) = component.filter(|_| at_rim) {
                 fault.message = format!("{} (component {})", fault.message, component_name(c, components));
@@ -70,7 +70,7 @@ fn tie_fault<const S: usize, const N: usize>(
             fault
         }
         InterfaceError::Counts(error) => {
-            let fault = multiplier_fault(context, name, slave, error, tie.multiplier.at, components);
+            let fault = multiplier_fault(context, name, slave, error, &tie.multiplier, components);
             match error {
                 MultiplierError::TooMany { component, .. } => {
                     fault.with_some_help(held_help(source, (slave, masters), &[*component], false))
@@ -174,10 +174,10 @@ fn fault<const S: usize, const N: usize>(
             context.error("E024", text, at).with_help("name the elements as one side, or refine the body")
         }
         InterfaceError::TooMany { multipliers, free, components, by_equations } => {
-            let fault = too_many(context, name, slave, "the normal direction", (*multipliers, *free), contact.multiplier.at);
+            let fault = too_many(context, name, slave, "the normal direction", (*multipliers, *free), &contact.multiplier);
             fault.with_some_help(held_help(source, (slave, masters), components, *by_equations))
         }
-        InterfaceError::Multiplier { error, .. } => multiplier_fault(context, name, slave, error, contact.multiplier.at, N.max(2)),
+        InterfaceError::Multiplier { error, .. } => multiplier_fault(context, name, slave, error, &contact.multiplier, N.max(2)),
         other => context.error("E041", format!("contact \"{name}\": {other}"), at),
     })
 }

@@ -255,7 +255,7 @@ fn an_obstacle_deeper_in_a_body_than_half_of_its_thickness_is_refused() {
 
 /// A file in a folder of its own.
 fn file(name: &str, text: &str) -> String {
-    let folder = std::env::temp_dir().join(format!("faying-obstacles-{}", std::process::id()));
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("obstacles");
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join(name);
     std::fs::write(&path, text).unwrap();

@@ -134,7 +134,7 @@ fn what_faces_nothing_is_refused_with_the_way_round() {
 
 /// A file in a folder of its own.
 fn file(name: &str, text: &str) -> String {
-    let folder = std::env::temp_dir().join(format!("faying-shaped-{}", std::process::id()));
+    let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("shaped_in_space");
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join(name);
     std::fs::write(&path, text).unwrap();

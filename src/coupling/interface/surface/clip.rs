@@ -12,8 +12,8 @@ const POINT: f64 = 1e-15;
 /// Lines with an end this near to their chord, up to rounding, are one.
 pub(super) const COLLINEAR: f64 = 1e-15;
 
-/// The part of a chain in the cell.
-pub(super) fn clip(polygon: Polygon, chain: Vec<EdgePiece>) -> Vec<EdgePiece> {
+/// The part of a chain in the cell, its corners within `near` of a line left out.
+pub(super) fn clip(polygon: Polygon, chain: Vec<EdgePiece>, near: f64) -> Vec<EdgePiece> {
     let mut chain = chain;
     for k in 0..polygon.sides() {
         let is_inside =
@@ -26,7 +26,7 @@ pub(super) fn clip(polygon: Polygon, chain: Vec<EdgePiece>) -> Vec<EdgePiece> {
             return chain;
         }
     }
-    simplified(chain, COLLINEAR)
+    simplified(chain, near)
 }
 
 /// The part of a chain where the linear function `distance` is not negative; `put_on` moves points onto its zero line.
@@ -127,13 +127,13 @@ mod tests {
             (&[[0.25, 0.25], [0.75, 0.25], [0.5, 0.75]], 0.125, 3),
         ];
         for (points, expected, count) in cases {
-            let found = clip(Polygon::Square, polygon(points));
+            let found = clip(Polygon::Square, polygon(points), COLLINEAR);
             assert!((area(&found) - expected).abs() < 1e-15, "{points:?}: {found:?}");
             if expected > 0.0 {
                 assert_eq!(found.len(), count, "{points:?}: {found:?}");
             }
         }
-        let triangle = clip(Polygon::Triangle, polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]));
+        let triangle = clip(Polygon::Triangle, polygon(&[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]]), COLLINEAR);
         assert_eq!((area(&triangle), triangle.len()), (0.5, 3));
     }
 }

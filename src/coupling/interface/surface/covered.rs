@@ -6,7 +6,7 @@
 
 use super::cell_rule::{WeightedPoints, fill};
 use super::chart::Chart;
-use super::clip::{clip, simplified};
+use super::clip::{COLLINEAR, clip, simplified};
 use super::element::Sides;
 use super::facets::Facets;
 use super::piece::{EdgePiece, area, wedge};
@@ -68,7 +68,7 @@ impl Sides<'_> {
             for &(f, k) in &outline {
                 traced.side(f, k, sign(f), sign(f) * skeleton.sign[f] * along, &mut chain);
             }
-            let chain = clip(polygon, chain);
+            let chain = clip(polygon, chain, COLLINEAR);
             let chain = simplified(chain.into_iter().map(straightened).collect(), STRAIGHT);
             let inside = area(&chain);
             if inside < -NOTHING {

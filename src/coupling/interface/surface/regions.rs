@@ -5,7 +5,7 @@
 //! counter-clockwise in the chart if the two surfaces face each other; regions of negative area belong to facets that look away.
 
 use super::chart::Chart;
-use super::clip::{clip, simplified};
+use super::clip::clip;
 use super::facets::Facets;
 use super::numbers::ByNumber;
 use super::owner::MasterSurface;
@@ -72,7 +72,7 @@ pub(super) fn regions(
         }
         let chain = traced.chain(facet, sign, up);
         // a corner that rounding leaves within a side would take points of its own, and more of them far from the origin
-        let chain = simplified(clip(traced.chart.polygon, chain), traced.chart.rounding());
+        let chain = clip(traced.chart.polygon, chain, traced.chart.rounding());
         let area = area(&chain);
         if area > NOTHING {
             let pole = master.facets.list[facet].pole.then(|| traced.vertex(master.skeleton.corners[facet][2], up));

@@ -308,7 +308,7 @@ impl Tracer<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::clip::clip;
+    use super::super::clip::{COLLINEAR, clip};
     use super::super::piece::area;
     use super::*;
 
@@ -320,7 +320,7 @@ mod tests {
             let angle = |t: f64| std::f64::consts::PI * (f64::from(half) + t);
             chain.extend(trace(Polygon::Square, snap, [at(angle(0.0)), at(angle(1.0))], &mut |t| at(angle(t))));
         }
-        area(&clip(Polygon::Square, chain))
+        area(&clip(Polygon::Square, chain, COLLINEAR))
     }
 
     #[test]
@@ -359,7 +359,7 @@ mod tests {
                 let mut chain = trace(Polygon::Square, 4e-14, [at(0.0), at(1.0)], &mut |t| at(t));
                 let corners = [at(1.0), Vector::<2>::new(to, 1.0), Vector::<2>::new(from, 1.0), at(0.0)];
                 chain.extend(corners.windows(2).map(|w| EdgePiece::Line(w[0], w[1])));
-                let found = area(&clip(Polygon::Square, chain));
+                let found = area(&clip(Polygon::Square, chain, COLLINEAR));
                 assert!((found - (1.0 - from)).abs() < 1e-12, "{from} {to}: {found:e}");
             }
         }

@@ -78,3 +78,35 @@ fn a_check_builds_the_tie_without_a_solution() {
     let seam = checked.interface.get("seam").unwrap();
     assert!(checked.exit == 0 && checked.predicted.is_some() && (seam.share - 1.0).abs() < 1e-12, "{:?}", checked.diagnostics);
 }
+
+/// One layer of tetrahedra with held ends: the multiplier `auto` has more functions than there are free unknowns, and what the help names works.
+#[test]
+fn more_functions_than_free_unknowns_and_the_ways_out() {
+    let text = |choice: &str| {
+        format!(
+            "schema = 1\n[model]\nphysics = \"elasticity\"\ndimension = 3\n\
+             [[material]]\nname = \"m\"\nyoung = 1\npoisson = 0.3\n\
+             [[patch]]\nname = \"a\"\nbackend = \"fe\"\ncells = \"simplex\"\ndegree = 2\nelements = [3, 1, 1]\n\
+             geometry = {{ kind = \"box\", min = [0, 0, 0], max = [1, 1, 1] }}\n\
+             [[patch]]\nname = \"b\"\ndegree = 2\nelements = [3, 3, 3]\n\
+             geometry = {{ kind = \"box\", min = [0, 0, 1], max = [1, 1, 2] }}\n\
+             [[boundary]]\non = [\"a.v0\", \"a.v1\"]\ndirichlet = [0, 0, 0]\n\
+             [[boundary]]\nname = \"top\"\non = \"b.w1\"\ntraction = [0, 0, -0.1]\n\
+             [[interface]]\nname = \"seam\"\nslave = \"a.w1\"\nmaster = \"b.w0\"\n{choice}\n"
+        )
+    };
+    for choice in ["", "multiplier = \"p/p-1\""] {
+        let (fault, _) = refused(&text(choice));
+        assert!(fault.code == "E024" && fault.message.contains("8 functions for 7 free unknowns"), "{fault:?}");
+        let help = fault.help.unwrap();
+        assert!(help.contains("take p/p") && help.contains("\"nitsche\""), "{help}");
+    }
+    for way in ["multiplier = \"p/p\"", "coupling = \"nitsche\""] {
+        let case = Case::parse("case.toml", &text(way), &ReadOptions::default()).unwrap();
+        let result = case.run(&Registry::default()).unwrap();
+        assert_eq!(result.exit, 0, "{way}: {:?}", result.diagnostics);
+        // the seam carries the load
+        let force = result.interface.get("seam").unwrap().force[2].abs();
+        assert!((force - 0.1).abs() < 1e-10, "{way}: {force}");
+    }
+}
